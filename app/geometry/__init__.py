@@ -1,0 +1,1 @@
+"""Nouns and frames: pose, similarity, camera, observations, target map, control points."""
