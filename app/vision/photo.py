@@ -1,0 +1,208 @@
+"""A photograph: its header read before a pixel is decoded, its pixels as the sensor's rows lie.
+
+EXIF orientation is never applied: intrinsics belong to the sensor's orientation. EXIF positions are never read.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from PIL import ExifTags, Image
+
+from app.errors import BadPhoto, PhotoTooLarge, UnsupportedPhoto
+from app.geometry.camera import CameraIdentity
+
+Pixels = npt.NDArray[np.uint8]
+
+# MPO is a JPEG with further pictures behind the first, as some phones write it; the first one is measured.
+DECODED_FORMATS = ("JPEG", "MPO", "PNG", "WEBP")
+COLOUR_MODES = ("RGB", "RGBA", "P")  # a palette is expanded to colour by the decoder
+DECODE_FLAGS = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
+
+
+@dataclass(frozen=True)
+class PhotoLimits:
+    """What is accepted, checked on the header before anything is decoded.
+
+    Attributes
+    ----------
+    max_bytes : int
+        64 MiB holds any phone's JPEG and a 12-megapixel PNG.
+    max_pixels : int
+        64 megapixels: 192 MB once decoded, which a worker can hold.
+    """
+
+    max_bytes: int = 64 * 2**20
+    max_pixels: int = 64_000_000
+
+
+@dataclass(frozen=True)
+class PhotoHeader:
+    """What a photograph says of itself.
+
+    Attributes
+    ----------
+    width_px, height_px : int
+        Size of the pixels as stored.
+    format : str
+        ``JPEG``, ``PNG`` or ``WEBP``.
+    identity : CameraIdentity
+    captured_at : str or None
+        EXIF's DateTimeOriginal as written: the phone's local time without a zone.
+    has_exif : bool
+        False when nothing tells which way the sensor was held.
+    """
+
+    width_px: int
+    height_px: int
+    format: str
+    identity: CameraIdentity
+    captured_at: str | None
+    has_exif: bool
+
+
+@dataclass(frozen=True)
+class Photo:
+    """Decoded pixels with their header.
+
+    Attributes
+    ----------
+    bgr : ndarray of shape (H, W, 3), uint8
+        Blue, green, red; row 0 is the sensor's first row.
+    header : PhotoHeader
+    """
+
+    bgr: Pixels
+    header: PhotoHeader
+
+    @property
+    def identity(self) -> CameraIdentity:
+        """The camera that took it."""
+        return self.header.identity
+
+    @property
+    def captured_at(self) -> str | None:
+        """EXIF's time as written."""
+        return self.header.captured_at
+
+
+def read_header(data: bytes, limits: PhotoLimits = PhotoLimits()) -> PhotoHeader:
+    """Read size, format and EXIF without decoding pixels.
+
+    Raises
+    ------
+    BadPhoto
+        The bytes are no image, or its header is broken.
+    UnsupportedPhoto
+        An image of another format, or without colour.
+    PhotoTooLarge
+        More bytes or pixels than the limits.
+    """
+    if not data:
+        raise BadPhoto("the photograph is empty (0 bytes): send the image file's bytes")
+    if len(data) > limits.max_bytes:
+        raise PhotoTooLarge(
+            f"the photograph has {len(data)} bytes, the limit is {limits.max_bytes}: send it with stronger compression",
+            max_bytes=limits.max_bytes,
+        )
+    image = _open(data)
+    width_px, height_px = image.size
+    if image.format not in DECODED_FORMATS:
+        raise UnsupportedPhoto(f"{image.format} images are not measured: send JPEG, PNG or WebP", format=image.format)
+    if width_px * height_px > limits.max_pixels:
+        raise PhotoTooLarge(
+            f"the photograph has {width_px} x {height_px} px, the limit is {limits.max_pixels / 1e6:g} megapixels: "
+            "send it at a smaller size",
+            max_pixels=limits.max_pixels,
+        )
+    if image.mode not in COLOUR_MODES:
+        raise UnsupportedPhoto(
+            f"pixels of type {image.mode} are not measured: targets are told by colour, send an 8-bit colour image",
+            mode=image.mode,
+        )
+    exif = _exif(image)
+    format_name = "JPEG" if image.format == "MPO" else str(image.format)
+    identity = _identity(exif, width_px, height_px)
+    captured_at = _text(exif.get(ExifTags.Base.DateTimeOriginal)) or None
+    return PhotoHeader(width_px, height_px, format_name, identity, captured_at, bool(exif))
+
+
+def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
+    """Decode a photograph, EXIF orientation not applied.
+
+    Raises
+    ------
+    BadPhoto
+        The bytes are no image, truncated or damaged.
+    UnsupportedPhoto, PhotoTooLarge
+        As ``read_header``.
+    """
+    header = read_header(data, limits)
+    try:
+        bgr = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), DECODE_FLAGS)
+    except cv2.error as error:
+        raise BadPhoto("the photograph cannot be decoded: take or copy it again") from error
+    if bgr is None:
+        raise BadPhoto("the photograph is truncated or damaged and cannot be decoded: take or copy it again")
+    if bgr.shape != (header.height_px, header.width_px, 3):
+        raise BadPhoto(
+            f"the header promises {header.width_px} x {header.height_px} px, the pixels are "
+            f"{bgr.shape[1]} x {bgr.shape[0]}: copy the photograph again"
+        )
+    return Photo(bgr, header)
+
+
+def _open(data: bytes) -> Image.Image:
+    try:
+        with warnings.catch_warnings():
+            # Pillow warns of bombs by its own limit; ours is checked on the same header.
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            return Image.open(io.BytesIO(data))
+    except Image.DecompressionBombError as error:
+        raise PhotoTooLarge("the photograph's header promises an enormous picture: send it at a smaller size") from error
+    except Exception as error:  # Pillow's parsers raise OSError, SyntaxError, ValueError, struct.error, ... on bad bytes
+        raise BadPhoto("the bytes are no readable image: send a JPEG, PNG or WebP file") from error
+
+
+def _exif(image: Image.Image) -> dict[int, Any]:
+    """EXIF tags of the picture and its camera block; empty when absent or damaged (the pixels are still good)."""
+    try:
+        exif = image.getexif()
+        return {**dict(exif), **exif.get_ifd(ExifTags.IFD.Exif)}
+    except Exception:  # a damaged EXIF block raises whatever its bytes provoke; it only costs the camera's name
+        return {}
+
+
+def _identity(exif: dict[int, Any], width_px: int, height_px: int) -> CameraIdentity:
+    return CameraIdentity(
+        make=_text(exif.get(ExifTags.Base.Make)),
+        model=_text(exif.get(ExifTags.Base.Model)),
+        width_px=width_px,
+        height_px=height_px,
+        focal_mm=_positive(exif.get(ExifTags.Base.FocalLength)),
+        focal_35mm=_positive(exif.get(ExifTags.Base.FocalLengthIn35mmFilm)),
+        lens=_text(exif.get(ExifTags.Base.LensModel)),
+        zoom=_positive(exif.get(ExifTags.Base.DigitalZoomRatio)) or 1.0,
+    )
+
+
+def _text(value: Any) -> str:
+    """Printable text of an EXIF field: trailing NULs and control characters are common in phones' files."""
+    text = value.decode("ascii", "replace") if isinstance(value, bytes) else value if isinstance(value, str) else ""
+    return "".join(character for character in text if character.isprintable()).strip()
+
+
+def _positive(value: Any) -> float | None:
+    """A positive finite number, else None: phones write 0 or 0/0 for 'unknown'."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, ZeroDivisionError):
+        return None
+    return number if math.isfinite(number) and number > 0 else None
