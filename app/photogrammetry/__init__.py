@@ -1,0 +1,1 @@
+"""Observations to geometry: resection, intersection, initial network, bundle adjustment, control, calibration."""
