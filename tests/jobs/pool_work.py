@@ -55,6 +55,7 @@ class AwkwardError(Exception):
 
     def __init__(self, first: str, second: str) -> None:
         super().__init__(first)
+        self.second = second
 
 
 def raise_awkward() -> None:

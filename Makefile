@@ -1,0 +1,48 @@
+# Two commands matter: `make demo` and `make test`. Each sets itself up: all they need is make and Python 3.11 or newer.
+
+PYTHON ?= $(firstword $(foreach name,python3.13 python3.12 python3.11 python3.14 python3 python,$(shell command -v $(name) 2>/dev/null)))
+VENV ?= .venv
+ROOM ?= examples/room
+BIN := $(VENV)/bin
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint format bench clean
+
+help: ## what can be made
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1|/' | column -t -s '|'
+
+demo: $(VENV)/.ready ## survey and locate in the real service: make demo [ROOM=path]
+	@$(BIN)/scattermark demo "$(ROOM)"
+
+test: lint ## lint, types and the test suite
+	@$(BIN)/python -m pytest
+
+lint: $(VENV)/.ready-test ## ruff and mypy
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+
+format: $(VENV)/.ready-test ## let ruff format and mend
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+
+bench: $(VENV)/.ready ## accuracy and speed of a room with truth: make bench [ROOM=path]
+	@$(BIN)/python -m benchmarks.accuracy "$(ROOM)"
+	@$(BIN)/python -m benchmarks.speed "$(ROOM)"
+
+clean: ## remove the virtual environment and caches
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis benchmarks/out
+
+# The stamps make the set-up happen once, and again when the dependencies change.
+$(VENV)/.ready: pyproject.toml
+	@test -n "$(PYTHON)" || { echo "No Python found: install Python 3.11 or newer, or say make PYTHON=/path/to/python." >&2; exit 1; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON) is older than Python 3.11: install a newer one, or say make PYTHON=/path/to/python." >&2; exit 1; }
+	@echo "Setting up $(VENV) with $(PYTHON) (once)" >&2
+	@"$(PYTHON)" -m venv "$(VENV)" || { echo "$(PYTHON) cannot make a virtual environment: install its venv module (Debian and Ubuntu: apt install python3-venv)." >&2; exit 1; }
+	@"$(BIN)/python" -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/.ready-test: $(VENV)/.ready
+	@echo "Installing the test tools (once)" >&2
+	@"$(BIN)/python" -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
