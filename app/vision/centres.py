@@ -1,0 +1,110 @@
+"""Dot centres in pixels, with a covariance each, from fitted plates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from app.vision.homography import PLATE_DOTS_U, apply_homographies, fit_homographies, homography_jacobians
+from app.vision.inks import InkReading
+from app.vision.measurement import PlateFits
+
+Array = npt.NDArray[np.float64]
+
+# JPEG's luma and chroma of blue, green, red (ITU-R BT.601): their noise is independent, that of the colours is not.
+YCC_FROM_BGR = np.array([[0.114, 0.587, 0.299], [0.5, -0.3313, -0.1687], [-0.0813, -0.4187, 0.5]])
+
+
+@dataclass(frozen=True)
+class CentreOptions:
+    """When a dot counts as measured.
+
+    Attributes
+    ----------
+    sigma_max_u : float
+        Greatest predicted standard deviation of a centre: a fifth of a radius; beyond, noise moved it.
+    offset_max_u : float
+        Farthest a dot may be found from where its plate expects it: half its radius; beyond, the linear model ends.
+    border_u : float
+        What must lie inside the photograph around a dot's centre: the dot itself.
+    covariance_floor_px : float
+        Errors that no noise estimate sees (interpolation, chroma siting): 0.01 px.
+    """
+
+    sigma_max_u: float = 0.2
+    offset_max_u: float = 0.5
+    border_u: float = 1.0
+    covariance_floor_px: float = 0.01
+
+
+@dataclass(frozen=True)
+class DotCentres:
+    """Dots of P plates.
+
+    Attributes
+    ----------
+    centres_px : ndarray of shape (P, 16, 2)
+        Images of the dots' centres; the plate's prediction where not measured.
+    covariances_px2 : ndarray of shape (P, 16, 2, 2)
+    measured : ndarray of shape (P, 16), bool
+    inside : ndarray of shape (P, 16), bool
+        Whether the dot lies wholly inside the photograph.
+    """
+
+    centres_px: Array
+    covariances_px2: Array
+    measured: npt.NDArray[np.bool_]
+    inside: npt.NDArray[np.bool_]
+
+
+def locate_dots(
+    fits: PlateFits, inks: InkReading, size_px: tuple[int, int], options: CentreOptions = CentreOptions()
+) -> DotCentres:
+    """Centres of all coloured dots from a template fit; ``size_px`` is the photograph's width and height.
+
+    Notes
+    -----
+    A disc moved by d adds ``amplitude * derivative . d`` in every channel: d is the least-squares ratio over luma and
+    chroma. It is found in the plate's own plane, so that a circle's image is compared with a circle and the offset
+    between an ellipse's centre and the image of the circle's centre does not arise.
+    """
+    amplitudes = fits.amplitudes @ YCC_FROM_BGR.T
+    slopes = np.einsum("ij,pdjc->pdic", YCC_FROM_BGR, fits.slopes)
+    power = (amplitudes**2).sum(axis=-1)
+    offset_u = np.einsum("pdi,pdic->pdc", amplitudes, slopes) / np.maximum(power, 1.0)[..., None]
+    near = np.abs(offset_u).max(axis=-1) < options.offset_max_u
+    centres_px = apply_homographies(
+        fits.image_from_plate, PLATE_DOTS_U + np.where(near[..., None], offset_u, 0.0)
+    )
+    jacobians = homography_jacobians(fits.image_from_plate, PLATE_DOTS_U)
+    noise = (fits.residual_rms**2).mean(axis=1)
+    variance_u2 = (noise[:, None] / np.maximum(power, 1.0))[..., None, None] * fits.offset_cofactors
+    covariances_px2 = jacobians @ variance_u2 @ jacobians.swapaxes(-1, -2)
+    inside = _inside(fits.image_from_plate, size_px, options.border_u)
+    sigma_u2 = np.einsum("pdii->pd", variance_u2) / 2.0
+    measured = near & inside & inks.coloured & (sigma_u2 < options.sigma_max_u**2)
+    return DotCentres(
+        centres_px, covariances_px2 + options.covariance_floor_px**2 * np.eye(2), measured, inside
+    )
+
+
+def refine_homographies(fits: PlateFits, dots: DotCentres) -> Array:
+    """Homographies through the measured dots, weighted by their precision; the old ones where too few were measured."""
+    variance_px2 = np.einsum("pdii->pd", dots.covariances_px2) / 2.0
+    weights = np.where(dots.measured, variance_px2.min(axis=1, keepdims=True) / variance_px2, 0.0)
+    enough = dots.measured.sum(axis=1) >= 5
+    refined = fits.image_from_plate.copy()
+    if enough.any():
+        refined[enough] = fit_homographies(PLATE_DOTS_U, dots.centres_px[enough], weights[enough])
+    return refined
+
+
+def _inside(image_from_plate: Array, size_px: tuple[int, int], border_u: float) -> npt.NDArray[np.bool_]:
+    corners = border_u * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    corners_px = apply_homographies(image_from_plate, (PLATE_DOTS_U[:, None] + corners).reshape(-1, 2))
+    greatest = np.array(size_px) - 1.0
+    within = ((corners_px >= 0.0) & (corners_px <= greatest)).all(axis=-1)
+    result: npt.NDArray[np.bool_] = within.reshape(len(image_from_plate), -1, 4).all(axis=-1)
+    return result

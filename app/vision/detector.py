@@ -1,0 +1,197 @@
+"""The default detector: colour proposes, the plate's own picture localises and judges.
+
+    photo -> red blobs -> groups of five -> first look -> template fit, twice -> inks -> code -> judgement
+
+The first fit takes a plate from its blobs to a tenth of a dot, the second measures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from app.geometry.observations import Detection, Rejected, TargetObservation
+from app.targets.family import UNDECODABLE, CodeFamily
+from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+from app.vision.centres import CentreOptions, DotCentres, locate_dots, refine_homographies
+from app.vision.dots import Blobs, DotOptions, find_red_blobs
+from app.vision.grouping import GroupingOptions, group_base_dots
+from app.vision.homography import homography_jacobians, image_from_corner_dots
+from app.vision.inks import HIDDEN_DIGIT, InkOptions, InkReading, read_inks
+from app.vision.judgement import (
+    REASON_TEXT,
+    Judgement,
+    JudgementOptions,
+    Strictness,
+    judge_plates,
+    misfit_px,
+    one_dot_one_target,
+)
+from app.vision.measurement import CENTRE_U, PlateFits, Pyramid, fit_plates
+from app.vision.proposals import ProposalOptions, promising
+
+Array = npt.NDArray[np.float64]
+Pixels = npt.NDArray[np.uint8]
+
+# Changes whenever the same photograph could give other numbers: stored detections are kept by it.
+DETECTOR_VERSION = "plate-1"
+
+DIGITS = list(DIGIT_CELLS)
+
+
+@dataclass(frozen=True)
+class DetectorOptions:
+    """Settings of the whole chain.
+
+    Attributes
+    ----------
+    strictness : str
+        How much the code family may mend: ``strict`` nothing, ``normal`` one digit, ``eager`` two.
+    blurs_px : tuple of float
+        Blurs (standard deviation) that are tried; the one that puts the dots best on their grids is taken for the photograph.
+    blur_plates : int
+        Plates that the choice is made on.
+    finest_px_per_u : float
+        Larger plates are measured at a halved size: their samples then stand 1-2 px apart.
+    confidence_min : float
+        A digit nearer than this to the border between two inks is taken as hidden (1 is a typical distance).
+    """
+
+    strictness: Strictness = "normal"
+    blurs_px: tuple[float, ...] = (0.4, 0.6, 0.9, 1.4, 2.0)
+    blur_plates: int = 8
+    finest_px_per_u: float = 4.5
+    confidence_min: float = 0.2
+    dots: DotOptions = field(default_factory=DotOptions)
+    grouping: GroupingOptions = field(default_factory=GroupingOptions)
+    proposals: ProposalOptions = field(default_factory=ProposalOptions)
+    centres: CentreOptions = field(default_factory=CentreOptions)
+    inks: InkOptions = field(default_factory=InkOptions)
+    judgement: JudgementOptions = field(default_factory=JudgementOptions)
+
+
+@dataclass(frozen=True)
+class _Plates:
+    """Measured candidates of one photograph, before their codes are read."""
+
+    fits: PlateFits
+    dots: DotCentres
+    inks: InkReading
+    refined: Array
+    judgement: Judgement
+
+
+def detect(
+    bgr: Pixels,
+    family: CodeFamily,
+    options: DetectorOptions = DetectorOptions(),
+    known_codes: frozenset[int] | None = None,
+) -> Detection:
+    """Find, measure and read all targets in a photograph.
+
+    Parameters
+    ----------
+    bgr : ndarray of shape (H, W, 3), uint8
+        Pixels as the sensor's rows lie.
+    family : CodeFamily
+        The site's codes.
+    options : DetectorOptions
+    known_codes : frozenset of int, optional
+        The codes that the site holds: a mended code must be among them. Unmended codes are reported all the same.
+
+    Returns
+    -------
+    Detection
+        Targets with unique codes, and what was refused with its reason.
+    """
+    height_px, width_px = bgr.shape[:2]
+    blobs = find_red_blobs(bgr, options.dots)
+    groups = promising(bgr, blobs, group_base_dots(blobs, options.grouping), options.proposals)
+    if not len(groups):
+        return Detection(width_px, height_px, ())
+    plates = _measure(bgr, blobs, groups, options)
+    targets, rejected = _read(plates, family, options, known_codes)
+    return Detection(width_px, height_px, targets, rejected)
+
+
+def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> _Plates:
+    """Fit all candidates, keep those that share no dot with a better one, fit them again from the refined places."""
+    size_px = (bgr.shape[1], bgr.shape[0])
+    rough = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
+    pyramid = _pyramid(bgr, rough, options)
+    blur_px = _choose_blur(pyramid, rough, options)
+    first = fit_plates(pyramid, rough, blur_px, options.finest_px_per_u)
+    first = first.select(one_dot_one_target(groups, first.explained()))
+    dots = locate_dots(first, read_inks(first.amplitudes, options.inks), size_px, options.centres)
+    fits = fit_plates(pyramid, refine_homographies(first, dots), blur_px, options.finest_px_per_u)
+    inks = read_inks(fits.amplitudes, options.inks)
+    dots = locate_dots(fits, inks, size_px, options.centres)
+    refined = refine_homographies(fits, dots)
+    return _Plates(fits, dots, inks, refined, judge_plates(fits, dots, inks, refined, options.judgement))
+
+
+def _pyramid(bgr: Pixels, image_from_plate: Array, options: DetectorOptions) -> Pyramid:
+    """As many halvings as the largest candidate needs, and no more."""
+    area = np.abs(np.linalg.det(homography_jacobians(image_from_plate, CENTRE_U)[:, 0]))
+    halvings = np.ceil(np.log2(max(float(np.sqrt(area.max())) / options.finest_px_per_u, 1.0)))
+    return Pyramid.of(bgr, 1 + int(halvings))
+
+
+def _choose_blur(pyramid: Pyramid, image_from_plate: Array, options: DetectorOptions) -> float:
+    """The blur under which the dots of a few plates lie best on their grids: all plates share one lens and focus."""
+    few = image_from_plate[:: max(1, len(image_from_plate) // options.blur_plates)]
+    size_px = (pyramid.levels[0].shape[1], pyramid.levels[0].shape[0])
+    misfits = []
+    for blur_px in options.blurs_px:
+        fits = fit_plates(pyramid, few, blur_px, options.finest_px_per_u)
+        dots = locate_dots(fits, read_inks(fits.amplitudes, options.inks), size_px, options.centres)
+        misfits.append(np.median(misfit_px(dots, refine_homographies(fits, dots))))
+    return options.blurs_px[int(np.argmin(misfits))]
+
+
+def _read(
+    plates: _Plates, family: CodeFamily, options: DetectorOptions, known_codes: frozenset[int] | None
+) -> tuple[tuple[TargetObservation, ...], tuple[Rejected, ...]]:
+    """Decode the plates that stand, one target per code, the better fit first."""
+    digits = np.where(plates.inks.confidence < options.confidence_min, HIDDEN_DIGIT, plates.inks.digits)
+    # A dot outside the photograph is hidden, whatever its border pixels look like.
+    digits = np.where(plates.dots.inside[:, DIGITS], digits, HIDDEN_DIGIT).astype(np.int8)
+    codes, corrected, erased = family.decode_many(digits, options.judgement.max_corrections(options.strictness))
+    targets: dict[int, TargetObservation] = {}
+    rejected: list[Rejected] = []
+    for plate in np.argsort(-plates.fits.explained(), kind="stable"):
+        code = int(codes[plate])
+        reason = plates.judgement.reasons[plate] or _code_reason(code, int(corrected[plate]), known_codes)
+        if reason == "code-not-in-family" and (digits[plate] == HIDDEN_DIGIT).sum() >= family.distance:
+            reason = "unreadable"
+        if not reason and code in targets:
+            reason = "duplicate-code"
+        if reason:
+            rejected.append(_rejected(plates, plate, reason, code))
+            continue
+        targets[code] = TargetObservation(
+            code=code,
+            centres_px=plates.dots.centres_px[plate],
+            covariances_px2=plates.dots.covariances_px2[plate],
+            measured=plates.dots.measured[plate],
+            corrected=int(corrected[plate]),
+            erased=int(erased[plate]),
+            rms_px=float(plates.judgement.rms_px[plate]),
+        )
+    return tuple(targets.values()), tuple(rejected)
+
+
+def _code_reason(code: int, corrected: int, known_codes: frozenset[int] | None) -> str:
+    if code == UNDECODABLE:
+        return "code-not-in-family"
+    if corrected and known_codes is not None and code not in known_codes:
+        return "code-not-in-family"
+    return ""
+
+
+def _rejected(plates: _Plates, plate: np.intp, reason: str, code: int) -> Rejected:
+    corners_px = plates.dots.centres_px[plate][list(BASE_CELLS[:4])]
+    known = code if code != UNDECODABLE and reason == "duplicate-code" else None
+    return Rejected(reason, corners_px.mean(axis=0), REASON_TEXT[reason], known, corners_px)

@@ -1,0 +1,119 @@
+"""Red blobs: cheap proposals for base dots from colour alone.
+
+Colour proposes; the plate fit localises later, so a centre here need only be good to a fraction of a dot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Pixels = npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class DotOptions:
+    """Which pixels are red, and which blobs may be dots.
+
+    Attributes
+    ----------
+    red_ratio : float
+        Red counts over this multiple of the greater of green and blue, after white balance. The printed red has 5.6 in
+        sRGB; blur and chroma subsampling bring small dots down to 2.4, a reflection on a laminated plate to 1.4.
+    white_percentile : float
+        Where each channel stands in for white; the median of bright rooms, and under the lamps of dark ones.
+    red_gain : tuple of float
+        Limits of the white balance: a red wall must not pass for a red lamp.
+    sparse_step_px : int
+        White is estimated on every n-th row and column.
+    red_floor : int
+        Least excess over that, in grey values of 255: above the noise of dark pixels.
+    peak_fraction : float
+        A dot ends where its excess falls to this part of the neighbourhood's peak: half, the edge of a blurred disc,
+        which also parts dots whose blurred skirts touch.
+    peak_window_px : int
+        Width of that neighbourhood: a small dot and the gap beside it.
+    contour_points_min, contour_points_max : int
+        Length of a blob's outline, px. The least is a dot of 2 px; the greatest a dot of 250 px.
+    axis_ratio_max : float
+        Longest over shortest axis: a circle seen at 75 degrees has 3.9; small blobs scatter.
+    """
+
+    red_ratio: float = 1.2
+    white_percentile: float = 80.0
+    red_gain: tuple[float, float] = (0.6, 1.3)
+    sparse_step_px: int = 16
+    red_floor: int = 12
+    peak_fraction: float = 0.5
+    peak_window_px: int = 7
+    contour_points_min: int = 3
+    contour_points_max: int = 800
+    axis_ratio_max: float = 6.0
+
+
+@dataclass(frozen=True)
+class Blobs:
+    """Red blobs of one photograph.
+
+    Attributes
+    ----------
+    centres_px : ndarray of shape (N, 2)
+    semi_axes_px : ndarray of shape (N, 2)
+        Major and minor semi-axis of the ellipse with the outline's second moments.
+    """
+
+    centres_px: Array
+    semi_axes_px: Array
+
+    def __len__(self) -> int:
+        return len(self.centres_px)
+
+
+def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
+    """Blobs of red pixels in a photograph of shape (H, W, 3)."""
+    mask = red_mask(bgr, options)
+    outlines, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
+    least, most = options.contour_points_min, options.contour_points_max
+    outlines = [outline for outline in outlines if least <= len(outline) <= most]
+    if not outlines:
+        return Blobs(np.empty((0, 2)), np.empty((0, 2)))
+    centres_px, semi_axes_px = _ellipses(outlines)
+    keep = semi_axes_px[:, 0] <= options.axis_ratio_max * semi_axes_px[:, 1]
+    return Blobs(centres_px[keep], semi_axes_px[keep])
+
+
+def red_mask(bgr: Pixels, options: DotOptions = DotOptions()) -> Pixels:
+    """1 where a pixel is red and belongs to the upper half of its own peak, shape (H, W)."""
+    blue, green, red = cv2.split(bgr)
+    # Saturating arithmetic: all that is not red is 0.
+    excess = cv2.addWeighted(red, _red_gain(bgr, options), cv2.max(green, blue), -options.red_ratio, 0.0)
+    window = np.ones((options.peak_window_px, options.peak_window_px), dtype=np.uint8)
+    edge = cv2.convertScaleAbs(cv2.dilate(excess, window), alpha=options.peak_fraction)
+    mask = cv2.compare(excess, cv2.max(edge, float(options.red_floor)), cv2.CMP_GT)  # type: ignore[call-overload]
+    return np.asarray(mask, dtype=np.uint8)
+
+
+def _red_gain(bgr: Pixels, options: DotOptions) -> float:
+    """What takes the photograph's white in red to its green and blue (white patch on a sparse grid)."""
+    sparse = bgr[:: options.sparse_step_px, :: options.sparse_step_px].reshape(-1, 3)
+    blue, green, red = np.percentile(sparse, options.white_percentile, axis=0)
+    return float(np.clip(max(blue, green, 1.0) / max(red, 1.0), *options.red_gain))
+
+
+def _ellipses(outlines: list[npt.NDArray[np.int32]]) -> tuple[Array, Array]:
+    """Centres and semi-axes from the moments of the outlines' points, all at once."""
+    counts = np.array([len(outline) for outline in outlines])
+    points_px = np.concatenate(outlines).reshape(-1, 2).astype(np.float64)
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    centres_px = np.add.reduceat(points_px, starts) / counts[:, None]
+    offset_px = points_px - np.repeat(centres_px, counts, axis=0)
+    products = np.stack([offset_px[:, 0] ** 2, offset_px[:, 1] ** 2, offset_px[:, 0] * offset_px[:, 1]], axis=1)
+    xx, yy, xy = (np.add.reduceat(products, starts) / counts[:, None]).T
+    mean, spread = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
+    # Points on an ellipse have a variance of half its squared semi-axis; pixels reach half a pixel beyond their centres.
+    semi_axes_px = np.sqrt(2.0 * np.maximum(np.stack([mean + spread, mean - spread], axis=1), 0.0)) + 0.5
+    return centres_px, semi_axes_px

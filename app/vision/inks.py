@@ -1,0 +1,100 @@
+"""From amplitudes to digits: which ink each identification dot is printed in, relative to this plate's own red and black.
+
+Levels are read against the plate's base dots, with their gradient across the plate, so that exposure, white balance
+and shading do not flip a digit. In linear light and in units of the red dots' red amplitude the inks of targets.md stand
+at (red, green) = black (0, 0), green (0, 0.5), white (1.5, 1.5), red (1, 0.01); a colour cast stretches the green axis,
+over-exposure brings white down to (1, 1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+from app.vision.homography import CORNER_DOT_U, PLATE_DOTS_U
+
+Array = npt.NDArray[np.float64]
+
+BASE, DIGITS = list(BASE_CELLS), list(DIGIT_CELLS)
+BLUE, GREEN, RED = 0, 1, 2
+BLACK_DIGIT, GREEN_DIGIT, WHITE_DIGIT, HIDDEN_DIGIT = 0, 1, 2, -1
+
+
+@dataclass(frozen=True)
+class InkOptions:
+    """Where the inks part, in units of the plate's red amplitude.
+
+    Attributes
+    ----------
+    white_red : float
+        Half-way between green or black (0) and white (1-1.5) on the red axis.
+    green_green : float
+        Between black (0) and green (0.5, down to 0.3 in warm light) on the green axis.
+    white_green_min : float
+        White is at least this green; red (0, over-exposed 0.2) on an identification dot is no ink.
+    white_max : float
+        Brighter than any paper next to this red: a reflection or a lamp.
+    dark_min : float
+        Darker than the plate's black by this much: something covers the plate.
+    """
+
+    white_red: float = 0.6
+    green_green: float = 0.18
+    white_green_min: float = 0.35
+    white_max: float = 4.0
+    dark_min: float = -0.4
+
+
+@dataclass(frozen=True)
+class InkReading:
+    """Digits of P plates.
+
+    Attributes
+    ----------
+    digits : ndarray of shape (P, 11), int8
+        2 white, 1 green, 0 black, -1 no ink of the plate (hidden).
+    confidence : ndarray of shape (P, 11)
+        Distance from the nearest border between two inks over the inks' own distance from it; 1 is typical.
+    red_level : ndarray of shape (P, 16)
+        Red amplitude expected at each dot.
+    """
+
+    digits: npt.NDArray[np.int8]
+    confidence: Array
+    red_level: Array
+
+    @property
+    def coloured(self) -> npt.NDArray[np.bool_]:
+        """Which of the sixteen dots are printed in colour and can be measured, shape (P, 16)."""
+        coloured = np.ones(self.red_level.shape, dtype=np.bool_)
+        coloured[:, DIGITS] = self.digits > BLACK_DIGIT
+        return coloured
+
+
+def read_inks(amplitudes: Array, options: InkOptions = InkOptions()) -> InkReading:
+    """Read the identification dots of plates whose dots have amplitudes of shape (P, 16, 3), blue, green, red."""
+    red_level = _red_level(amplitudes[:, BASE, RED])
+    relative = amplitudes[:, DIGITS] / red_level[:, DIGITS, None]
+    red, green = relative[..., RED], relative[..., GREEN]
+    is_bright = red > options.white_red
+    is_green = ~is_bright & (green > options.green_green)
+    digits = np.where(is_bright, WHITE_DIGIT, np.where(is_green, GREEN_DIGIT, BLACK_DIGIT)).astype(np.int8)
+    hidden = is_bright & (green < options.white_green_min)
+    hidden |= (np.maximum(red, green) > options.white_max) | (np.minimum(red, green) < options.dark_min)
+    digits[hidden] = HIDDEN_DIGIT
+    from_red = np.abs(red - options.white_red) / options.white_red
+    from_green = np.abs(green - options.green_green) / options.green_green
+    confidence = np.where(is_bright, from_red, np.minimum(from_red, from_green))
+    return InkReading(digits, confidence, red_level)
+
+
+def _red_level(base_red: Array) -> Array:
+    """Red amplitude over the plate, shape (P, 16): a plane through the five base dots, kept within their range."""
+    plane = np.column_stack([np.ones(len(PLATE_DOTS_U)), PLATE_DOTS_U / CORNER_DOT_U])
+    level = base_red @ np.linalg.pinv(plane[BASE]).T @ plane.T
+    least, most = base_red.min(axis=1, keepdims=True), base_red.max(axis=1, keepdims=True)
+    result: Array = np.maximum(np.clip(level, least, most), 1.0)  # 1 grey value: plates without red are refused anyway
+    return result

@@ -1,0 +1,166 @@
+"""Which fitted plates stand as targets, and why the others do not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from app.targets.layout import BASE_CELLS
+from app.vision.centres import DotCentres
+from app.vision.homography import PLATE_DOTS_U, apply_homographies
+from app.vision.inks import RED, InkReading
+from app.vision.measurement import PlateFits
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+Strictness = Literal["strict", "normal", "eager"]
+BASE = list(BASE_CELLS)
+
+
+@dataclass(frozen=True)
+class JudgementOptions:
+    """What a target must show. Each bound stands between what plates show and what marker-free photographs show.
+
+    Attributes
+    ----------
+    red_min : float
+        Red amplitude of every base dot, linear light of 255: a dim plate has 7 at a grey value of 60.
+    red_over_residual : float
+        The same over what the fit left unexplained in red: above noise.
+    off_red_max : float
+        Green or blue of a base dot over its red: ink has 0.02, over-exposed ink 0.3, skin and wood 0.5 and more.
+    uneven_max : float
+        Departure of a base dot's red from the plane through all five, over their mean.
+    background_max : float
+        The plate's black over the red amplitude: 0.3 in even light, 1.5 under a reflection.
+    explained_min : float
+        Part of the picture's variance that the plate's model explains.
+    misfit_max_u : float
+        Root mean square of the dots about the plate's homography: a tenth of a radius on flat plates.
+    misfit_noise_px : float
+        What noise adds to that on small plates.
+    base_dots_min, dots_min : int
+        Measured base dots, and measured dots in all.
+    max_corrections : dict of int by strictness
+        Misread digits that the code family may mend, if its distance allows.
+    """
+
+    red_min: float = 2.0
+    red_over_residual: float = 1.5
+    off_red_max: float = 0.45
+    uneven_max: float = 0.5
+    background_max: float = 2.0
+    explained_min: float = 0.7
+    misfit_max_u: float = 0.15
+    misfit_noise_px: float = 0.25
+    base_dots_min: int = 4
+    dots_min: int = 6
+
+    def max_corrections(self, strictness: Strictness) -> int:
+        """Misread digits that may be mended: none, one (then two or three wrong are still refused), or two."""
+        return {"strict": 0, "normal": 1, "eager": 2}[strictness]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Verdicts on P plates.
+
+    Attributes
+    ----------
+    reasons : tuple of str
+        Empty where the plate stands; else the first test that failed.
+    rms_px : ndarray of shape (P,)
+        Root mean square, per coordinate, of the measured dots about the plate's homography.
+    """
+
+    reasons: tuple[str, ...]
+    rms_px: Array
+
+    @property
+    def stands(self) -> Mask:
+        """Which plates have no reason against them, shape (P,)."""
+        return np.array([not reason for reason in self.reasons], dtype=np.bool_)
+
+
+REASON_TEXT = {
+    "weak-red": "a base dot is hardly brighter than the plate: too dark, or no dot",
+    "not-red": "a base dot is not red",
+    "uneven-red": "the base dots differ in brightness",
+    "bright-background": "there is no black between the dots",
+    "not-a-plate": "the picture does not look like a plate",
+    "wrong-layout": "the dots do not lie on the plate's grid: wrong structure, or bent paper",
+    "too-few-dots": "too few dots could be measured",
+    "outside-photo": "a base dot lies outside the photograph",
+    "unreadable": "too many identification dots are hidden or unclear",
+    "code-not-in-family": "the dots were read, but their code is not in the site's family",
+    "duplicate-code": "the same code was read better elsewhere in this photograph",
+}
+
+
+def judge_plates(
+    fits: PlateFits, dots: DotCentres, inks: InkReading, refined: Array, options: JudgementOptions = JudgementOptions()
+) -> Judgement:
+    """Test fitted plates against what a target must show; the code is judged elsewhere.
+
+    Parameters
+    ----------
+    refined : ndarray of shape (P, 3, 3)
+        Homographies through the measured dots.
+    """
+    rms_px = misfit_px(dots, refined)
+    base = fits.amplitudes[:, BASE]
+    red = base[..., RED]
+    mean_red = np.maximum(red.mean(axis=1), 1.0)
+    uneven = np.abs(red - inks.red_level[:, BASE]).max(axis=1) / mean_red
+    weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms[:, RED])
+    off_red = base[..., :RED].max(axis=2) / np.maximum(red, 1.0)
+    allowed_px = np.hypot(options.misfit_max_u * fits.px_per_u, options.misfit_noise_px)
+    failed = {
+        "outside-photo": dots.inside[:, BASE].sum(axis=1) < options.base_dots_min,
+        "weak-red": np.sort(red, axis=1)[:, 5 - options.base_dots_min] < weak,
+        "not-red": np.sort(off_red, axis=1)[:, options.base_dots_min - 1] > options.off_red_max,
+        "uneven-red": uneven > options.uneven_max,
+        "bright-background": fits.background.max(axis=1) > options.background_max * mean_red,
+        "not-a-plate": ~(fits.explained() > options.explained_min),
+        "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min)
+        | (dots.measured[:, BASE].sum(axis=1) < options.base_dots_min),
+        "wrong-layout": ~(rms_px < allowed_px),
+    }
+    reasons = [""] * len(rms_px)
+    for reason, failing in reversed(failed.items()):
+        for plate in np.flatnonzero(failing):
+            reasons[plate] = reason
+    return Judgement(tuple(reasons), rms_px)
+
+
+def misfit_px(dots: DotCentres, image_from_plate: Array) -> Array:
+    """Root mean square per coordinate of the measured dots about their homographies, shape (P,), px."""
+    residual_px = dots.centres_px - apply_homographies(image_from_plate, PLATE_DOTS_U)
+    squares = np.where(dots.measured[..., None], residual_px**2, 0.0).sum(axis=(1, 2))
+    # Eight parameters were fitted; a plate with few dots has little left to disagree.
+    redundancy = np.maximum(2 * dots.measured.sum(axis=1) - 8, 1)
+    result: Array = np.sqrt(squares / redundancy)
+    return result
+
+
+def one_dot_one_target(groups: npt.NDArray[np.intp], quality: Array) -> npt.NDArray[np.intp]:
+    """Indices of the groups, best first, that share no blob with a better one.
+
+    Parameters
+    ----------
+    groups : ndarray of shape (G, 5)
+        Blob indices, -1 for a dot that was not seen.
+    quality : ndarray of shape (G,)
+    """
+    taken: set[int] = set()
+    kept = []
+    for group in np.argsort(-quality, kind="stable"):
+        blobs = {int(blob) for blob in groups[group] if blob >= 0}
+        if not taken & blobs:
+            taken |= blobs
+            kept.append(group)
+    return np.array(kept, dtype=np.intp)

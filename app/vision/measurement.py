@@ -1,0 +1,188 @@
+"""Fit the plate template to many plates at once: colours and places of all sixteen dots from the pixels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from app.targets.layout import DOT_COUNT
+from app.vision.homography import apply_homographies, homography_jacobians
+from app.vision.template import (
+    BACKGROUND,
+    PER_DOT,
+    SAMPLE_CELLS,
+    SAMPLES_U,
+    blur_level,
+    plate_template,
+)
+
+Array = npt.NDArray[np.float64]
+Array32 = npt.NDArray[np.float32]
+Pixels = npt.NDArray[np.uint8]
+
+CENTRE_U = np.zeros((1, 2))
+
+
+def linear_from_coded() -> Array32:
+    """Linear light, 0 ... 255, of sRGB-coded grey values: blur is linear in light, and so are ink and illumination.
+
+    Phones' tone curves differ from sRGB's, but all of them widen bright dots on black, which this undoes.
+    """
+    coded = np.arange(256) / 255.0
+    linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
+    return (255.0 * linear).astype(np.float32)
+
+
+LINEAR_FROM_CODED = linear_from_coded()
+
+
+@dataclass(frozen=True)
+class Pyramid:
+    """A photograph at full and halved sizes, so that a patch's samples stand 1-2 px apart at any plate size.
+
+    Attributes
+    ----------
+    levels : tuple of ndarray
+        ``levels[k]`` has every pixel averaged over 2^k x 2^k.
+    """
+
+    levels: tuple[Pixels, ...]
+
+    @classmethod
+    def of(cls, bgr: Pixels, count: int) -> Pyramid:
+        """Build ``count`` levels, or as many as leave a pixel."""
+        levels = [bgr]
+        while len(levels) < count and min(levels[-1].shape[:2]) >= 2:
+            half = cv2.resize(levels[-1], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+            levels.append(np.asarray(half, dtype=np.uint8))
+        return cls(tuple(levels))
+
+
+@dataclass(frozen=True)
+class PlateFits:
+    """Template fits of P plates.
+
+    Attributes
+    ----------
+    image_from_plate : ndarray of shape (P, 3, 3)
+        The homographies the patches were sampled with.
+    px_per_u : ndarray of shape (P,)
+        Local scale at the plate's centre: the square root of the area of a square u.
+    amplitudes : ndarray of shape (P, 16, 3)
+        Each dot's blue, green, red above the background, linear light of 0 ... 255.
+    slopes : ndarray of shape (P, 16, 3, 2)
+        The derivative coefficients per channel, linear light per u.
+    background : ndarray of shape (P, 3)
+        Blue, green, red of the plate's black.
+    residual_rms : ndarray of shape (P, 3)
+        Root mean square of samples minus model per channel.
+    cell_residual_rms : ndarray of shape (P, 16)
+        The same over all channels in each dot's cell.
+    spread_rms : ndarray of shape (P, 3)
+        Root mean square of the samples about their mean: what a fit that explains nothing would leave.
+    offset_cofactors : ndarray of shape (P, 16, 2, 2)
+        Cofactors of the derivative coefficients.
+    """
+
+    image_from_plate: Array
+    px_per_u: Array
+    amplitudes: Array
+    slopes: Array
+    background: Array
+    residual_rms: Array
+    cell_residual_rms: Array
+    spread_rms: Array
+    offset_cofactors: Array
+
+    def select(self, chosen: npt.NDArray[np.intp]) -> PlateFits:
+        """The fits of some plates."""
+        return PlateFits(*(getattr(self, part.name)[chosen] for part in fields(self)))
+
+    def explained(self) -> Array:
+        """Part of the samples' variance that the model explains, shape (P,), over all channels."""
+        result: Array = 1.0 - (self.residual_rms**2).sum(axis=1) / np.maximum((self.spread_rms**2).sum(axis=1), 1.0)
+        return result
+
+
+def fit_plates(pyramid: Pyramid, image_from_plate: Array, blur_px: float, finest_px_per_u: float) -> PlateFits:
+    """Sample and fit all plates.
+
+    Parameters
+    ----------
+    pyramid : Pyramid
+    image_from_plate : ndarray of shape (P, 3, 3)
+        Rough homographies: good to half a dot's radius.
+    blur_px : float
+        Standard deviation of the photograph's blur in its own pixels.
+    finest_px_per_u : float
+        Plates larger than this are measured at a halved size.
+    """
+    jacobian = homography_jacobians(image_from_plate, CENTRE_U)[:, 0]
+    px_per_u = np.sqrt(np.abs(np.linalg.det(jacobian)))
+    halvings = np.ceil(np.log2(np.maximum(px_per_u / finest_px_per_u, 1.0))).astype(np.int64)
+    halvings = np.minimum(halvings, len(pyramid.levels) - 1)
+    samples = _sample(pyramid, image_from_plate, halvings)
+    # Averaging adds the pixel's own width to the blur: a box of n px has a variance of n^2 / 12.
+    box_px2 = (4.0**halvings - 1.0) / 12.0
+    levels = blur_level(np.sqrt(blur_px**2 + box_px2) / px_per_u)
+    return _solve(samples, levels, image_from_plate, px_per_u)
+
+
+def _sample(pyramid: Pyramid, image_from_plate: Array, halvings: npt.NDArray[np.int64]) -> Array32:
+    """Bilinear samples of all patches in linear light, shape (P, S, 3)."""
+    points_px = apply_homographies(image_from_plate, SAMPLES_U)
+    samples = np.empty((*points_px.shape[:2], 3), dtype=np.float32)
+    for halving in np.unique(halvings):
+        chosen = halvings == halving
+        factor = 2.0**halving
+        # Pixel centres stand at integers: the centre of a halved pixel lies between those of its parts.
+        at_level = ((points_px[chosen] + 0.5) / factor - 0.5).astype(np.float32)
+        level = pyramid.levels[halving]
+        coded = cv2.remap(level, at_level, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        samples[chosen] = cv2.LUT(coded, LINEAR_FROM_CODED)
+    return samples
+
+
+def _solve(samples: Array32, levels: npt.NDArray[np.int64], image_from_plate: Array, px_per_u: Array) -> PlateFits:
+    plates = len(samples)
+    coefficients = np.empty((plates, PER_DOT * DOT_COUNT + 6, 3), dtype=np.float32)
+    residual_power = np.empty(samples.shape, dtype=np.float32)
+    cofactors = np.empty((plates, DOT_COUNT, 2, 2))
+    for level in np.unique(levels):
+        template, chosen = plate_template(int(level)), levels == level
+        solved = template.solver @ samples[chosen]
+        coefficients[chosen] = solved
+        residual_power[chosen] = (samples[chosen] - template.design @ solved) ** 2
+        cofactors[chosen] = template.offset_cofactors
+    dots = coefficients[:, : BACKGROUND.start].reshape(plates, DOT_COUNT, PER_DOT, 3).astype(np.float64)
+    return PlateFits(
+        image_from_plate=image_from_plate,
+        px_per_u=px_per_u,
+        amplitudes=dots[:, :, 0],
+        slopes=dots[:, :, 1:].transpose(0, 1, 3, 2),
+        background=coefficients[:, BACKGROUND.start].astype(np.float64),
+        residual_rms=np.sqrt(np.einsum("psc->pc", residual_power) / residual_power.shape[1]).astype(np.float64),
+        cell_residual_rms=np.sqrt(residual_power.sum(axis=2) @ CELL_MEANS).astype(np.float64),
+        spread_rms=_spread_rms(samples),
+        offset_cofactors=cofactors,
+    )
+
+
+def _spread_rms(samples: Array32) -> Array:
+    """Root mean square of the samples about their mean, shape (P, 3)."""
+    count = samples.shape[1]
+    mean = np.einsum("psc->pc", samples) / count
+    power = np.einsum("psc,psc->pc", samples, samples) / count
+    return np.sqrt(np.maximum(power - mean**2, 0.0)).astype(np.float64)
+
+
+def _cell_means() -> Array32:
+    """Matrix, shape (S, 16), that averages the samples of each cell (and the three channels)."""
+    member = SAMPLE_CELLS[:, None] == np.arange(DOT_COUNT)
+    return (member / (3.0 * member.sum(axis=0))).astype(np.float32)
+
+
+CELL_MEANS = _cell_means()

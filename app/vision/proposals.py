@@ -1,0 +1,122 @@
+"""Cheap tests that leave, of all groups of five red blobs, those worth measuring: right sizes, and black between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from app.targets.layout import BASE_CELLS, PLATE_SIDE_U
+from app.vision.dots import Blobs
+from app.vision.homography import (
+    PLATE_DOTS_U,
+    apply_homographies,
+    homography_jacobians,
+    image_from_corner_dots,
+)
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
+Pixels = npt.NDArray[np.uint8]
+
+RED_CHANNEL = 2
+
+
+@dataclass(frozen=True)
+class ProposalOptions:
+    """What a group must show at first sight.
+
+    Attributes
+    ----------
+    depth_ratio_max : float
+        Farthest over nearest corner: a plate seen at 75 degrees from twice its width has 2.2; blobs add noise.
+    e_offset_u, e_offset_px : float
+        How far E may lie from where the corner dots predict it: a part of its radius, and blob noise.
+    size_ratio : tuple of float
+        Blob radius over predicted radius (geometric mean of the axes): half-peak outlines scatter about 1.
+    dark_fraction : float
+        A gap is dark when its red lies below this part of the way from the darkest gap to the red dots.
+    dark_gaps_min : int
+        Dark gaps of 21: four may be covered.
+    red_contrast_min : float
+        Grey values between red dots and dark gaps, in red: above noise.
+    """
+
+    depth_ratio_max: float = 2.5
+    e_offset_u: float = 0.5
+    e_offset_px: float = 0.8
+    size_ratio: tuple[float, float] = (0.45, 1.9)
+    dark_fraction: float = 0.55
+    dark_gaps_min: int = 17
+    red_contrast_min: float = 16.0
+
+
+def gap_points_u() -> Array:
+    """Plate coordinates, shape (21, 2), of the black farthest from any dot: nine inner gaps and twelve at the border."""
+    inner = np.array([(x, y) for y in (-3.0, 0.0, 3.0) for x in (-3.0, 0.0, 3.0)])
+    along = [(x, y) for x in (-3.0, 0.0, 3.0) for y in (-5.9, 5.9)]
+    return np.concatenate([inner, along, [(y, x) for x, y in along]])
+
+
+GAPS_U = gap_points_u()
+BASE_U = PLATE_DOTS_U[list(BASE_CELLS)]
+
+
+def promising(bgr: Pixels, blobs: Blobs, groups: Indices, options: ProposalOptions = ProposalOptions()) -> Indices:
+    """The groups, shape (G', 5), that pass; ``groups`` holds A, B, C, D, E as blob indices."""
+    groups = groups[_convex(blobs.centres_px[groups[:, :4]])]
+    if not len(groups):
+        return groups
+    image_from_plate = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
+    in_front = _in_front(image_from_plate, options)
+    groups, image_from_plate = groups[in_front], image_from_plate[in_front]
+    groups = groups[_sizes_agree(image_from_plate, blobs, groups, options)]
+    if not len(groups):
+        return groups
+    return groups[_black_between(bgr, blobs.centres_px[groups], options)]
+
+
+def _convex(corners_px: Array) -> npt.NDArray[np.bool_]:
+    """Whether A, B, C, D turn clockwise at every corner: five dots in the other order are not a target."""
+    side = np.roll(corners_px, -1, axis=1) - corners_px
+    following = np.roll(side, -1, axis=1)
+    turn = side[..., 0] * following[..., 1] - side[..., 1] * following[..., 0]
+    result: npt.NDArray[np.bool_] = (turn > 0).all(axis=1)
+    return result
+
+
+def _in_front(image_from_plate: Array, options: ProposalOptions) -> npt.NDArray[np.bool_]:
+    """Whether the whole plate is in front of the camera, and its depth varies as a plate's can."""
+    edges_u = PLATE_SIDE_U / 2.0 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    depth = image_from_plate[:, 2, :2] @ edges_u.T + image_from_plate[:, 2, 2:]
+    result: npt.NDArray[np.bool_] = depth.min(axis=1) * options.depth_ratio_max > depth.max(axis=1)
+    return result & (depth.min(axis=1) > 0)
+
+
+def _sizes_agree(
+    image_from_plate: Array, blobs: Blobs, groups: Indices, options: ProposalOptions
+) -> npt.NDArray[np.bool_]:
+    """Whether E is where the corners say, and the blobs are as large as the plate says."""
+    jacobians = homography_jacobians(image_from_plate, BASE_U)
+    px_per_u = np.sqrt(np.abs(np.linalg.det(jacobians)))
+    e_px = apply_homographies(image_from_plate, BASE_U[4:])[:, 0]
+    offset_px = np.linalg.norm(e_px - blobs.centres_px[groups[:, 4]], axis=1)
+    e_agrees = offset_px < options.e_offset_u * px_per_u[:, 4] + options.e_offset_px
+    radius_px = np.sqrt(blobs.semi_axes_px.prod(axis=1))
+    ratio = np.median(radius_px[groups] / px_per_u, axis=1)
+    result: npt.NDArray[np.bool_] = e_agrees & (ratio > options.size_ratio[0]) & (ratio < options.size_ratio[1])
+    return result
+
+
+def _black_between(bgr: Pixels, base_px: Array, options: ProposalOptions) -> npt.NDArray[np.bool_]:
+    gaps_px = apply_homographies(image_from_corner_dots(base_px[:, :4]), GAPS_U)
+    points_px = np.concatenate([base_px, gaps_px], axis=1).astype(np.float32)
+    red = cv2.remap(bgr, points_px, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[..., RED_CHANNEL]
+    dots, gaps = red[:, :5].astype(np.float64), np.sort(red[:, 5:].astype(np.float64), axis=1)
+    lit, black = np.median(dots, axis=1), gaps[:, len(GAPS_U) // 4]
+    border = black + options.dark_fraction * (lit - black)
+    dark = (gaps < border[:, None]).sum(axis=1)
+    result: npt.NDArray[np.bool_] = (dark >= options.dark_gaps_min) & (lit - black > options.red_contrast_min)
+    return result
