@@ -63,7 +63,7 @@ class DetectorOptions:
     blurs_px: tuple[float, ...] = (0.4, 0.6, 0.9, 1.4, 2.0)
     blur_plates: int = 8
     finest_px_per_u: float = 4.5
-    confidence_min: float = 0.2
+    confidence_min: float = 0.35
     dots: DotOptions = field(default_factory=DotOptions)
     grouping: GroupingOptions = field(default_factory=GroupingOptions)
     proposals: ProposalOptions = field(default_factory=ProposalOptions)

@@ -32,6 +32,8 @@ class DotOptions:
         White is estimated on every n-th row and column.
     red_floor : int
         Least excess over that, in grey values of 255: above the noise of dark pixels.
+    smooth_px : int
+        Box that averages the excess: pixel noise must not break a dot or make one.
     peak_fraction : float
         A dot ends where its excess falls to this part of the neighbourhood's peak: half, the edge of a blurred disc,
         which also parts dots whose blurred skirts touch.
@@ -48,6 +50,7 @@ class DotOptions:
     red_gain: tuple[float, float] = (0.6, 1.3)
     sparse_step_px: int = 16
     red_floor: int = 12
+    smooth_px: int = 3
     peak_fraction: float = 0.5
     peak_window_px: int = 7
     contour_points_min: int = 3
@@ -91,6 +94,7 @@ def red_mask(bgr: Pixels, options: DotOptions = DotOptions()) -> Pixels:
     blue, green, red = cv2.split(bgr)
     # Saturating arithmetic: all that is not red is 0.
     excess = cv2.addWeighted(red, _red_gain(bgr, options), cv2.max(green, blue), -options.red_ratio, 0.0)
+    excess = cv2.blur(excess, (options.smooth_px, options.smooth_px))
     window = np.ones((options.peak_window_px, options.peak_window_px), dtype=np.uint8)
     edge = cv2.convertScaleAbs(cv2.dilate(excess, window), alpha=options.peak_fraction)
     mask = cv2.compare(excess, cv2.max(edge, float(options.red_floor)), cv2.CMP_GT)  # type: ignore[call-overload]

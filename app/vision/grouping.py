@@ -54,9 +54,9 @@ class GroupingOptions:
     diagonal_pitch_axes: tuple[float, float] = (1.0, 10.0)
     stretch: tuple[float, float] = (1.1, 3.6)
     lateral_max: float = 0.12
-    lateral_px: float = 0.8
+    lateral_px: float = 1.2
     facing_max: float = 0.1
-    facing_px: float = 1.0
+    facing_px: float = 1.5
     reach: tuple[float, float] = (0.25, 4.0)
     balance_max: float = 2.0
 
@@ -73,16 +73,33 @@ class _Triples:
 
 def group_base_dots(blobs: Blobs, options: GroupingOptions = GroupingOptions()) -> Indices:
     """Candidates A, B, C, D, E as blob indices, shape (G, 5); a blob may stand in several."""
-    neighbours = min(options.neighbours, len(blobs) - 1)
-    if neighbours < 4:
-        return np.empty((0, 5), dtype=np.intp)
-    _, nearest = cKDTree(blobs.centres_px).query(blobs.centres_px, k=neighbours + 1)
-    nearest = nearest[:, 1:]
-    area_px2 = blobs.semi_axes_px.prod(axis=1)
-    ratio = area_px2[nearest] / area_px2[:, None]
-    alike = (ratio < options.area_ratio_max) & (ratio > 1.0 / options.area_ratio_max)
+    nearest, alike = _neighbours(blobs, options)
     triples = _diagonals(blobs, nearest, alike, options)
     return _with_other_diagonal(blobs, nearest, alike, triples, options)
+
+
+def _neighbours(blobs: Blobs, options: GroupingOptions) -> tuple[Indices, npt.NDArray[np.bool_]]:
+    """The nearest blobs of like size of each blob, shape (N, K), and which of these slots are filled.
+
+    Sizes are searched apart, so that specks between the dots of a large plate do not use up its neighbours.
+    """
+    count = len(blobs)
+    nearest = np.zeros((count, options.neighbours), dtype=np.intp)
+    alike = np.zeros((count, options.neighbours), dtype=np.bool_)
+    area_px2 = blobs.semi_axes_px.prod(axis=1)
+    octave = np.floor(np.log2(area_px2)).astype(np.int64)
+    for size in np.unique(octave):
+        members = np.flatnonzero(octave == size)
+        reach = options.area_ratio_max
+        near_size = (area_px2 * reach > 2.0**size) & (area_px2 < reach * 2.0 ** (size + 1))
+        pool = np.flatnonzero(near_size)
+        _, found = cKDTree(blobs.centres_px[pool]).query(blobs.centres_px[members], k=options.neighbours + 1)
+        exists = found[:, 1:] < len(pool)  # the tree answers with its length where there are too few
+        slots = pool[np.minimum(found[:, 1:], len(pool) - 1)]
+        ratio = area_px2[slots] / area_px2[members, None]
+        nearest[members] = slots
+        alike[members] = exists & (ratio < reach) & (ratio > 1.0 / reach)
+    return nearest, alike
 
 
 def _diagonals(blobs: Blobs, nearest: Indices, alike: npt.NDArray[np.bool_], options: GroupingOptions) -> _Triples:

@@ -36,16 +36,18 @@ class InkOptions:
     white_green_min : float
         White is at least this green; red (0, over-exposed 0.2) on an identification dot is no ink.
     white_max : float
-        Brighter than any paper next to this red: a reflection or a lamp.
+        Brighter than any paper next to this red: a lamp. Chroma subsampling takes the red of dots of 4 px to a third,
+        so that white stands at 5 there.
     dark_min : float
-        Darker than the plate's black by this much: something covers the plate.
+        Darker than the plate's black by this much: something covers the plate. Sharpening by the phone takes small
+        black dots between white ones to -0.6.
     """
 
     white_red: float = 0.6
     green_green: float = 0.18
     white_green_min: float = 0.35
-    white_max: float = 4.0
-    dark_min: float = -0.4
+    white_max: float = 10.0
+    dark_min: float = -1.5
 
 
 @dataclass(frozen=True)

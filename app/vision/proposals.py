@@ -39,7 +39,7 @@ class ProposalOptions:
     dark_fraction : float
         A gap is dark when its red lies below this part of the way from the darkest gap to the red dots.
     dark_gaps_min : int
-        Dark gaps of 21: four may be covered.
+        Dark gaps of 21: some may be covered, or lie in the skirts of white dots on small plates.
     red_contrast_min : float
         Grey values between red dots and dark gaps, in red: above noise.
     """
@@ -48,8 +48,8 @@ class ProposalOptions:
     e_offset_u: float = 0.5
     e_offset_px: float = 0.8
     size_ratio: tuple[float, float] = (0.45, 1.9)
-    dark_fraction: float = 0.55
-    dark_gaps_min: int = 17
+    dark_fraction: float = 0.6
+    dark_gaps_min: int = 15
     red_contrast_min: float = 16.0
 
 
