@@ -75,9 +75,7 @@ def locate_dots(
     power = (amplitudes**2).sum(axis=-1)
     offset_u = np.einsum("pdi,pdic->pdc", amplitudes, slopes) / np.maximum(power, 1.0)[..., None]
     near = np.abs(offset_u).max(axis=-1) < options.offset_max_u
-    centres_px = apply_homographies(
-        fits.image_from_plate, PLATE_DOTS_U + np.where(near[..., None], offset_u, 0.0)
-    )
+    centres_px = apply_homographies(fits.image_from_plate, PLATE_DOTS_U + np.where(near[..., None], offset_u, 0.0))
     jacobians = homography_jacobians(fits.image_from_plate, PLATE_DOTS_U)
     noise = (fits.residual_rms**2).mean(axis=1)
     variance_u2 = (noise[:, None] / np.maximum(power, 1.0))[..., None, None] * fits.offset_cofactors
@@ -85,9 +83,7 @@ def locate_dots(
     inside = _inside(fits.image_from_plate, size_px, options.border_u)
     sigma_u2 = np.einsum("pdii->pd", variance_u2) / 2.0
     measured = near & inside & inks.coloured & (sigma_u2 < options.sigma_max_u**2)
-    return DotCentres(
-        centres_px, covariances_px2 + options.covariance_floor_px**2 * np.eye(2), measured, inside
-    )
+    return DotCentres(centres_px, covariances_px2 + options.covariance_floor_px**2 * np.eye(2), measured, inside)
 
 
 def refine_homographies(fits: PlateFits, dots: DotCentres) -> Array:

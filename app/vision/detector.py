@@ -18,7 +18,7 @@ from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.centres import CentreOptions, DotCentres, locate_dots, refine_homographies
 from app.vision.dots import Blobs, DotOptions, find_red_blobs
 from app.vision.grouping import GroupingOptions, group_base_dots
-from app.vision.homography import homography_jacobians, image_from_corner_dots
+from app.vision.homography import image_from_corner_dots
 from app.vision.inks import HIDDEN_DIGIT, InkOptions, InkReading, read_inks
 from app.vision.judgement import (
     REASON_TEXT,
@@ -29,8 +29,9 @@ from app.vision.judgement import (
     misfit_px,
     one_dot_one_target,
 )
-from app.vision.measurement import CENTRE_U, PlateFits, Pyramid, fit_plates
+from app.vision.measurement import PlateFits, Pyramid, fit_plates, local_px_per_u
 from app.vision.proposals import ProposalOptions, promising
+from app.vision.template import PatchGrid
 
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
@@ -49,8 +50,10 @@ class DetectorOptions:
     ----------
     strictness : str
         How much the code family may mend: ``strict`` nothing, ``normal`` one digit, ``eager`` two.
+    blur_px : float
+        Blur (standard deviation) assumed at first sight.
     blurs_px : tuple of float
-        Blurs (standard deviation) that are tried; the one that puts the dots best on their grids is taken for the photograph.
+        Blurs that are tried; the one that puts the dots best on their grids is taken for the photograph.
     blur_plates : int
         Plates that the choice is made on.
     finest_px_per_u : float
@@ -60,8 +63,9 @@ class DetectorOptions:
     """
 
     strictness: Strictness = "normal"
+    blur_px: float = 0.7
     blurs_px: tuple[float, ...] = (0.4, 0.6, 0.9, 1.4, 2.0)
-    blur_plates: int = 8
+    blur_plates: int = 6
     finest_px_per_u: float = 4.5
     confidence_min: float = 0.35
     dots: DotOptions = field(default_factory=DotOptions)
@@ -118,37 +122,37 @@ def detect(
 
 def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> _Plates:
     """Fit all candidates, keep those that share no dot with a better one, fit them again from the refined places."""
-    size_px = (bgr.shape[1], bgr.shape[0])
     rough = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
-    pyramid = _pyramid(bgr, rough, options)
-    blur_px = _choose_blur(pyramid, rough, options)
-    first = fit_plates(pyramid, rough, blur_px, options.finest_px_per_u)
-    first = first.select(one_dot_one_target(groups, first.explained()))
-    dots = locate_dots(first, read_inks(first.amplitudes, options.inks), size_px, options.centres)
-    fits = fit_plates(pyramid, refine_homographies(first, dots), blur_px, options.finest_px_per_u)
-    inks = read_inks(fits.amplitudes, options.inks)
-    dots = locate_dots(fits, inks, size_px, options.centres)
+    largest = float(local_px_per_u(rough).max())
+    halvings = np.ceil(np.log2(max(largest / options.finest_px_per_u, 1.0)))
+    pyramid = Pyramid.of(bgr, 1 + int(halvings))
+    first, inks = _fit(pyramid, rough, np.full(len(rough), options.blur_px), PatchGrid.ROUGH, options)
+    best = one_dot_one_target(groups, first.explained())
+    first, inks = first.select(best), inks.select(best)
+    refined = refine_homographies(first, locate_dots(first, inks, pyramid.size_px, options.centres))
+    blur_px = np.full(len(refined), _choose_blur(pyramid, refined, options))
+    fits, inks = _fit(pyramid, refined, blur_px, PatchGrid.FINE, options)
+    dots = locate_dots(fits, inks, pyramid.size_px, options.centres)
     refined = refine_homographies(fits, dots)
     return _Plates(fits, dots, inks, refined, judge_plates(fits, dots, inks, refined, options.judgement))
 
 
-def _pyramid(bgr: Pixels, image_from_plate: Array, options: DetectorOptions) -> Pyramid:
-    """As many halvings as the largest candidate needs, and no more."""
-    area = np.abs(np.linalg.det(homography_jacobians(image_from_plate, CENTRE_U)[:, 0]))
-    halvings = np.ceil(np.log2(max(float(np.sqrt(area.max())) / options.finest_px_per_u, 1.0)))
-    return Pyramid.of(bgr, 1 + int(halvings))
+def _fit(
+    pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid, options: DetectorOptions
+) -> tuple[PlateFits, InkReading]:
+    fits = fit_plates(pyramid, image_from_plate, blur_px, grid, options.finest_px_per_u)
+    return fits, read_inks(fits.amplitudes, options.inks)
 
 
 def _choose_blur(pyramid: Pyramid, image_from_plate: Array, options: DetectorOptions) -> float:
     """The blur under which the dots of a few plates lie best on their grids: all plates share one lens and focus."""
-    few = image_from_plate[:: max(1, len(image_from_plate) // options.blur_plates)]
-    size_px = (pyramid.levels[0].shape[1], pyramid.levels[0].shape[0])
-    misfits = []
-    for blur_px in options.blurs_px:
-        fits = fit_plates(pyramid, few, blur_px, options.finest_px_per_u)
-        dots = locate_dots(fits, read_inks(fits.amplitudes, options.inks), size_px, options.centres)
-        misfits.append(np.median(misfit_px(dots, refine_homographies(fits, dots))))
-    return options.blurs_px[int(np.argmin(misfits))]
+    few = image_from_plate[:: max(1, len(image_from_plate) // options.blur_plates)][: options.blur_plates]
+    # One batch holds every plate under every blur.
+    blur_px = np.repeat(options.blurs_px, len(few))
+    fits, inks = _fit(pyramid, np.tile(few, (len(options.blurs_px), 1, 1)), blur_px, PatchGrid.FINE, options)
+    dots = locate_dots(fits, inks, pyramid.size_px, options.centres)
+    misfits = misfit_px(dots, refine_homographies(fits, dots)).reshape(len(options.blurs_px), -1)
+    return options.blurs_px[int(np.argmin(np.median(misfits, axis=1)))]
 
 
 def _read(

@@ -39,8 +39,11 @@ class DotOptions:
         which also parts dots whose blurred skirts touch.
     peak_window_px : int
         Width of that neighbourhood: a small dot and the gap beside it.
+    ring_axes, ring_points, ring_fraction : float, int, float
+        On a ring of this many major semi-axes most of the points have lost the red: the gap between dots reaches from
+        1 to 2 radii.
     contour_points_min, contour_points_max : int
-        Length of a blob's outline, px. The least is a dot of 2 px; the greatest a dot of 250 px.
+        Length of a blob's outline, px. The least is a dot of 2 px by 4 px; the greatest one of 250 px.
     axis_ratio_max : float
         Longest over shortest axis: a circle seen at 75 degrees has 3.9; small blobs scatter.
     """
@@ -53,7 +56,10 @@ class DotOptions:
     smooth_px: int = 3
     peak_fraction: float = 0.5
     peak_window_px: int = 7
-    contour_points_min: int = 3
+    ring_axes: float = 1.7
+    ring_points: int = 8
+    ring_fraction: float = 0.35
+    contour_points_min: int = 7
     contour_points_max: int = 800
     axis_ratio_max: float = 6.0
 
@@ -78,7 +84,8 @@ class Blobs:
 
 def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
     """Blobs of red pixels in a photograph of shape (H, W, 3)."""
-    mask = red_mask(bgr, options)
+    excess = _red_excess(bgr, options)
+    mask = _upper_half(excess, options)
     outlines, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
     least, most = options.contour_points_min, options.contour_points_max
     outlines = [outline for outline in outlines if least <= len(outline) <= most]
@@ -86,19 +93,35 @@ def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
         return Blobs(np.empty((0, 2)), np.empty((0, 2)))
     centres_px, semi_axes_px = _ellipses(outlines)
     keep = semi_axes_px[:, 0] <= options.axis_ratio_max * semi_axes_px[:, 1]
+    keep &= _stands_alone(excess, centres_px, semi_axes_px, options)
     return Blobs(centres_px[keep], semi_axes_px[keep])
 
 
-def red_mask(bgr: Pixels, options: DotOptions = DotOptions()) -> Pixels:
-    """1 where a pixel is red and belongs to the upper half of its own peak, shape (H, W)."""
+def _red_excess(bgr: Pixels, options: DotOptions) -> Pixels:
+    """How much redder than grey each pixel is, shape (H, W); 0 for all that is not red."""
     blue, green, red = cv2.split(bgr)
     # Saturating arithmetic: all that is not red is 0.
     excess = cv2.addWeighted(red, _red_gain(bgr, options), cv2.max(green, blue), -options.red_ratio, 0.0)
-    excess = cv2.blur(excess, (options.smooth_px, options.smooth_px))
+    return np.asarray(cv2.blur(excess, (options.smooth_px, options.smooth_px)), dtype=np.uint8)
+
+
+def _upper_half(excess: Pixels, options: DotOptions) -> Pixels:
+    """255 where a pixel belongs to the upper half of its own peak, shape (H, W)."""
     window = np.ones((options.peak_window_px, options.peak_window_px), dtype=np.uint8)
     edge = cv2.convertScaleAbs(cv2.dilate(excess, window), alpha=options.peak_fraction)
     mask = cv2.compare(excess, cv2.max(edge, float(options.red_floor)), cv2.CMP_GT)  # type: ignore[call-overload]
     return np.asarray(mask, dtype=np.uint8)
+
+
+def _stands_alone(excess: Pixels, centres_px: Array, semi_axes_px: Array, options: DotOptions) -> npt.NDArray[np.bool_]:
+    """Whether the red ends around a blob, as it does on a plate's black; grains of a brownish surface do not."""
+    angle = np.linspace(0.0, 2.0 * np.pi, options.ring_points, endpoint=False)
+    circle = np.vstack([np.zeros((1, 2)), np.stack([np.cos(angle), np.sin(angle)], axis=1)])
+    points_px = centres_px[:, None] + options.ring_axes * semi_axes_px[:, None, :1] * circle
+    values = cv2.remap(excess, points_px.astype(np.float32), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    around = np.median(values[:, 1:], axis=1)
+    result: npt.NDArray[np.bool_] = around < options.ring_fraction * values[:, 0]
+    return result
 
 
 def _red_gain(bgr: Pixels, options: DotOptions) -> float:
@@ -118,6 +141,6 @@ def _ellipses(outlines: list[npt.NDArray[np.int32]]) -> tuple[Array, Array]:
     products = np.stack([offset_px[:, 0] ** 2, offset_px[:, 1] ** 2, offset_px[:, 0] * offset_px[:, 1]], axis=1)
     xx, yy, xy = (np.add.reduceat(products, starts) / counts[:, None]).T
     mean, spread = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
-    # Points on an ellipse have a variance of half its squared semi-axis; pixels reach half a pixel beyond their centres.
+    # Points on an ellipse have a variance of half its squared semi-axis; pixels reach half a pixel past their centres.
     semi_axes_px = np.sqrt(2.0 * np.maximum(np.stack([mean + spread, mean - spread], axis=1), 0.0)) + 0.5
     return centres_px, semi_axes_px

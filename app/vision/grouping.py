@@ -1,7 +1,7 @@
 """Five red blobs that lie like a plate's base dots.
 
-Along the diagonal A stands at -1, E at 0, the crossing f of the diagonals at 0.5 and C at 2 (in diagonal pitches). Three
-images of known points of a line fix the projective map of that line, so A, E and C tell where f is: this is the
+Along the diagonal A stands at -1, E at 0, the crossing f of the diagonals at 0.5 and C at 2 (in diagonal pitches).
+Three images of known points of a line fix the projective map of that line, so A, E and C tell where f is: this is the
 cross-ratio (ab, fc) = 0.5 of the paper, solved for f. B and D then face each other through f.
 """
 

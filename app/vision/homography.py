@@ -88,6 +88,13 @@ def homography_jacobians(image_from_plate: Array, plate_u: Array) -> Array:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
+def area_scales(jacobians: Array) -> Array:
+    """Square roots of the areas, px^2, that a square u takes, shape (...), for Jacobians of shape (..., 2, 2)."""
+    area = jacobians[..., 0, 0] * jacobians[..., 1, 1] - jacobians[..., 0, 1] * jacobians[..., 1, 0]
+    result: Array = np.sqrt(np.abs(area))
+    return result
+
+
 def cross(first: Array, second: Array) -> Array:
     """The plane's cross product of vectors of shape (..., 2); positive when the turn is clockwise in the picture."""
     result: Array = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]

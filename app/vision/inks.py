@@ -1,8 +1,8 @@
-"""From amplitudes to digits: which ink each identification dot is printed in, relative to this plate's own red and black.
+"""From amplitudes to digits: which ink each identification dot is printed in, against this plate's own red and black.
 
 Levels are read against the plate's base dots, with their gradient across the plate, so that exposure, white balance
-and shading do not flip a digit. In linear light and in units of the red dots' red amplitude the inks of targets.md stand
-at (red, green) = black (0, 0), green (0, 0.5), white (1.5, 1.5), red (1, 0.01); a colour cast stretches the green axis,
+and shading do not flip a digit. In linear light and in units of the red dots' red amplitude the printed inks stand at
+(red, green) = black (0, 0), green (0, 0.5), white (1.5, 1.5), red (1, 0.01); a colour cast stretches the green axis,
 over-exposure brings white down to (1, 1).
 """
 
@@ -67,6 +67,10 @@ class InkReading:
     digits: npt.NDArray[np.int8]
     confidence: Array
     red_level: Array
+
+    def select(self, chosen: npt.NDArray[np.intp]) -> InkReading:
+        """The readings of some plates."""
+        return InkReading(self.digits[chosen], self.confidence[chosen], self.red_level[chosen])
 
     @property
     def coloured(self) -> npt.NDArray[np.bool_]:

@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import DOT_COUNT
-from app.vision.homography import apply_homographies, homography_jacobians
+from app.vision.homography import area_scales, homography_jacobians
 from app.vision.template import (
     BACKGROUND,
+    COEFFICIENTS,
     PER_DOT,
-    SAMPLE_CELLS,
-    SAMPLES_U,
+    PatchGrid,
     blur_level,
     plate_template,
 )
@@ -23,6 +23,7 @@ Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 Pixels = npt.NDArray[np.uint8]
 
+CHANNELS = 3
 CENTRE_U = np.zeros((1, 2))
 
 
@@ -56,9 +57,16 @@ class Pyramid:
         """Build ``count`` levels, or as many as leave a pixel."""
         levels = [bgr]
         while len(levels) < count and min(levels[-1].shape[:2]) >= 2:
-            half = cv2.resize(levels[-1], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+            # Whole blocks of 2 x 2 only: an odd last row or column would shift the grid.
+            even = levels[-1][: levels[-1].shape[0] // 2 * 2, : levels[-1].shape[1] // 2 * 2]
+            half = cv2.resize(even, (even.shape[1] // 2, even.shape[0] // 2), interpolation=cv2.INTER_AREA)
             levels.append(np.asarray(half, dtype=np.uint8))
         return cls(tuple(levels))
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height of the photograph."""
+        return self.levels[0].shape[1], self.levels[0].shape[0]
 
 
 @dataclass(frozen=True)
@@ -79,8 +87,6 @@ class PlateFits:
         Blue, green, red of the plate's black.
     residual_rms : ndarray of shape (P, 3)
         Root mean square of samples minus model per channel.
-    cell_residual_rms : ndarray of shape (P, 16)
-        The same over all channels in each dot's cell.
     spread_rms : ndarray of shape (P, 3)
         Root mean square of the samples about their mean: what a fit that explains nothing would leave.
     offset_cofactors : ndarray of shape (P, 16, 2, 2)
@@ -93,7 +99,6 @@ class PlateFits:
     slopes: Array
     background: Array
     residual_rms: Array
-    cell_residual_rms: Array
     spread_rms: Array
     offset_cofactors: Array
 
@@ -107,7 +112,14 @@ class PlateFits:
         return result
 
 
-def fit_plates(pyramid: Pyramid, image_from_plate: Array, blur_px: float, finest_px_per_u: float) -> PlateFits:
+def local_px_per_u(image_from_plate: Array) -> Array:
+    """Scale at the plates' centres, shape (P,): the square root of the area of a square u in px."""
+    return area_scales(homography_jacobians(image_from_plate, CENTRE_U))[:, 0]
+
+
+def fit_plates(
+    pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid, finest_px_per_u: float
+) -> PlateFits:
     """Sample and fit all plates.
 
     Parameters
@@ -115,74 +127,66 @@ def fit_plates(pyramid: Pyramid, image_from_plate: Array, blur_px: float, finest
     pyramid : Pyramid
     image_from_plate : ndarray of shape (P, 3, 3)
         Rough homographies: good to half a dot's radius.
-    blur_px : float
-        Standard deviation of the photograph's blur in its own pixels.
+    blur_px : ndarray of shape (P,)
+        Standard deviation of the blur in the photograph's own pixels.
+    grid : PatchGrid
     finest_px_per_u : float
         Plates larger than this are measured at a halved size.
     """
-    jacobian = homography_jacobians(image_from_plate, CENTRE_U)[:, 0]
-    px_per_u = np.sqrt(np.abs(np.linalg.det(jacobian)))
+    px_per_u = local_px_per_u(image_from_plate)
     halvings = np.ceil(np.log2(np.maximum(px_per_u / finest_px_per_u, 1.0))).astype(np.int64)
     halvings = np.minimum(halvings, len(pyramid.levels) - 1)
-    samples = _sample(pyramid, image_from_plate, halvings)
+    samples = _sample(pyramid, image_from_plate, halvings, grid)
     # Averaging adds the pixel's own width to the blur: a box of n px has a variance of n^2 / 12.
     box_px2 = (4.0**halvings - 1.0) / 12.0
     levels = blur_level(np.sqrt(blur_px**2 + box_px2) / px_per_u)
-    return _solve(samples, levels, image_from_plate, px_per_u)
+    return _solve(samples, levels, grid, image_from_plate, px_per_u)
 
 
-def _sample(pyramid: Pyramid, image_from_plate: Array, halvings: npt.NDArray[np.int64]) -> Array32:
+def _sample(pyramid: Pyramid, image_from_plate: Array, halvings: npt.NDArray[np.int64], grid: PatchGrid) -> Array32:
     """Bilinear samples of all patches in linear light, shape (P, S, 3)."""
-    points_px = apply_homographies(image_from_plate, SAMPLES_U)
-    samples = np.empty((*points_px.shape[:2], 3), dtype=np.float32)
+    points_u = grid.points_u()
+    homogeneous = np.column_stack([points_u, np.ones(len(points_u))]).astype(np.float32)
+    samples = np.empty((len(image_from_plate), len(points_u), CHANNELS), dtype=np.float32)
     for halving in np.unique(halvings):
         chosen = halvings == halving
-        factor = 2.0**halving
         # Pixel centres stand at integers: the centre of a halved pixel lies between those of its parts.
-        at_level = ((points_px[chosen] + 0.5) / factor - 0.5).astype(np.float32)
+        factor = 0.5**halving
+        shift = 0.5 * factor - 0.5
+        level_from_image = np.array([[factor, 0.0, shift], [0.0, factor, shift], [0.0, 0.0, 1.0]])
+        level_from_plate = (level_from_image @ image_from_plate[chosen]).astype(np.float32)
+        x, y, w = (homogeneous @ level_from_plate.transpose(0, 2, 1)).transpose(2, 0, 1)
         level = pyramid.levels[halving]
-        coded = cv2.remap(level, at_level, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        coded = cv2.remap(level, x / w, y / w, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         samples[chosen] = cv2.LUT(coded, LINEAR_FROM_CODED)
     return samples
 
 
-def _solve(samples: Array32, levels: npt.NDArray[np.int64], image_from_plate: Array, px_per_u: Array) -> PlateFits:
-    plates = len(samples)
-    coefficients = np.empty((plates, PER_DOT * DOT_COUNT + 6, 3), dtype=np.float32)
-    residual_power = np.empty(samples.shape, dtype=np.float32)
+def _solve(
+    samples: Array32, levels: npt.NDArray[np.int64], grid: PatchGrid, image_from_plate: Array, px_per_u: Array
+) -> PlateFits:
+    """Normal equations of all plates; the residuals' power follows from them without forming a residual."""
+    plates, count = samples.shape[:2]
+    coefficients = np.empty((plates, COEFFICIENTS, CHANNELS))
+    explained_power = np.empty((plates, CHANNELS))
     cofactors = np.empty((plates, DOT_COUNT, 2, 2))
     for level in np.unique(levels):
-        template, chosen = plate_template(int(level)), levels == level
-        solved = template.solver @ samples[chosen]
+        template, chosen = plate_template(grid, int(level)), levels == level
+        right_hand = (template.design.T @ samples[chosen]).astype(np.float64)
+        solved = template.cofactors @ right_hand
         coefficients[chosen] = solved
-        residual_power[chosen] = (samples[chosen] - template.design @ solved) ** 2
+        explained_power[chosen] = (solved * (2.0 * right_hand - template.normals @ solved)).sum(axis=1)
         cofactors[chosen] = template.offset_cofactors
-    dots = coefficients[:, : BACKGROUND.start].reshape(plates, DOT_COUNT, PER_DOT, 3).astype(np.float64)
+    power = np.einsum("psc,psc->pc", samples, samples).astype(np.float64)
+    mean = (samples.transpose(0, 2, 1) @ np.ones(count, dtype=np.float32)).astype(np.float64) / count
+    dots = coefficients[:, : BACKGROUND.start].reshape(plates, DOT_COUNT, PER_DOT, CHANNELS)
     return PlateFits(
         image_from_plate=image_from_plate,
         px_per_u=px_per_u,
         amplitudes=dots[:, :, 0],
         slopes=dots[:, :, 1:].transpose(0, 1, 3, 2),
-        background=coefficients[:, BACKGROUND.start].astype(np.float64),
-        residual_rms=np.sqrt(np.einsum("psc->pc", residual_power) / residual_power.shape[1]).astype(np.float64),
-        cell_residual_rms=np.sqrt(residual_power.sum(axis=2) @ CELL_MEANS).astype(np.float64),
-        spread_rms=_spread_rms(samples),
+        background=coefficients[:, BACKGROUND.start],
+        residual_rms=np.sqrt(np.maximum(power - explained_power, 0.0) / count),
+        spread_rms=np.sqrt(np.maximum(power / count - mean**2, 0.0)),
         offset_cofactors=cofactors,
     )
-
-
-def _spread_rms(samples: Array32) -> Array:
-    """Root mean square of the samples about their mean, shape (P, 3)."""
-    count = samples.shape[1]
-    mean = np.einsum("psc->pc", samples) / count
-    power = np.einsum("psc,psc->pc", samples, samples) / count
-    return np.sqrt(np.maximum(power - mean**2, 0.0)).astype(np.float64)
-
-
-def _cell_means() -> Array32:
-    """Matrix, shape (S, 16), that averages the samples of each cell (and the three channels)."""
-    member = SAMPLE_CELLS[:, None] == np.arange(DOT_COUNT)
-    return (member / (3.0 * member.sum(axis=0))).astype(np.float32)
-
-
-CELL_MEANS = _cell_means()

@@ -14,6 +14,7 @@ from app.targets.layout import BASE_CELLS
 Pixels = npt.NDArray[np.uint8]
 Points = npt.NDArray[np.float64]
 
+OUTLINE = (0, 0, 0)
 SUBPIXEL_BITS = 4  # OpenCV draws at 1/16 px
 
 
@@ -23,8 +24,8 @@ class OverlayOptions:
 
     Attributes
     ----------
-    found, found_base, refused, outline : tuple of int
-        Measured dots, base dots, refused groups, and the dark line under every stroke.
+    found, found_base, refused : tuple of int
+        Measured dots, base dots, refused groups.
     reference_width_px : float
         Strokes and letters grow with the photograph's width; at this width they have their base size.
     """
@@ -32,7 +33,6 @@ class OverlayOptions:
     found: tuple[int, int, int] = (255, 220, 0)
     found_base: tuple[int, int, int] = (0, 255, 255)
     refused: tuple[int, int, int] = (255, 0, 255)
-    outline: tuple[int, int, int] = (0, 0, 0)
     reference_width_px: float = 1600.0
 
 
@@ -55,7 +55,7 @@ def _draw_target(canvas: Pixels, target: TargetObservation, scale: float, option
             colour = options.found_base if cell in BASE_CELLS else options.found
             _cross(canvas, centre_px, colour, scale)
     notes = "".join([f" c{target.corrected}" * bool(target.corrected), f" e{target.erased}" * bool(target.erased)])
-    _text(canvas, f"{target.code}{notes}", corners_px, options.found, scale, options)
+    _text(canvas, f"{target.code}{notes}", corners_px, options.found, scale)
 
 
 def _draw_refused(canvas: Pixels, rejected: Rejected, scale: float, options: OverlayOptions) -> None:
@@ -64,7 +64,7 @@ def _draw_refused(canvas: Pixels, rejected: Rejected, scale: float, options: Ove
         _polygon(canvas, corners_px, options.refused, scale)
     else:
         _cross(canvas, rejected.centre_px, options.refused, 3.0 * scale)
-    _text(canvas, rejected.reason, corners_px, options.refused, scale, options)
+    _text(canvas, rejected.reason, corners_px, options.refused, scale)
 
 
 def _polygon(canvas: Pixels, corners_px: Points, colour: tuple[int, int, int], scale: float) -> None:
@@ -79,11 +79,10 @@ def _cross(canvas: Pixels, centre_px: Points, colour: tuple[int, int, int], scal
         cv2.line(canvas, start.tolist(), end.tolist(), colour, 1, cv2.LINE_AA, SUBPIXEL_BITS)
 
 
-def _text(
-    canvas: Pixels, text: str, corners_px: Points, colour: tuple[int, int, int], scale: float, options: OverlayOptions
-) -> None:
+def _text(canvas: Pixels, text: str, corners_px: Points, colour: tuple[int, int, int], scale: float) -> None:
+    """Text above a group of points, with a dark rim that keeps it legible on any wall."""
     origin = (int(corners_px[:, 0].min()), int(corners_px[:, 1].min() - 6.0 * scale))
-    for line_colour, width in ((options.outline, 3), (colour, 1)):
+    for line_colour, width in ((OUTLINE, 3), (colour, 1)):
         size, stroke = 0.45 * scale, max(1, round(width * scale))
         cv2.putText(canvas, text, origin, cv2.FONT_HERSHEY_SIMPLEX, size, line_colour, stroke, cv2.LINE_AA)
 

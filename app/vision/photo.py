@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import math
+import struct
 import warnings
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +25,18 @@ Pixels = npt.NDArray[np.uint8]
 # MPO is a JPEG with further pictures behind the first, as some phones write it; the first one is measured.
 DECODED_FORMATS = ("JPEG", "MPO", "PNG", "WEBP")
 COLOUR_MODES = ("RGB", "RGBA", "P")  # a palette is expanded to colour by the decoder
+# What Pillow's parsers raise on damaged bytes.
+HEADER_ERRORS = (
+    OSError,
+    SyntaxError,
+    ValueError,
+    KeyError,
+    IndexError,
+    TypeError,
+    OverflowError,
+    ZeroDivisionError,
+    struct.error,
+)
 DECODE_FLAGS = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
 
 
@@ -166,8 +179,8 @@ def _open(data: bytes) -> Image.Image:
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
             return Image.open(io.BytesIO(data))
     except Image.DecompressionBombError as error:
-        raise PhotoTooLarge("the photograph's header promises an enormous picture: send it at a smaller size") from error
-    except Exception as error:  # Pillow's parsers raise OSError, SyntaxError, ValueError, struct.error, ... on bad bytes
+        raise PhotoTooLarge("the header promises an enormous picture: send it at a smaller size") from error
+    except HEADER_ERRORS as error:
         raise BadPhoto("the bytes are no readable image: send a JPEG, PNG or WebP file") from error
 
 
@@ -176,7 +189,7 @@ def _exif(image: Image.Image) -> dict[int, Any]:
     try:
         exif = image.getexif()
         return {**dict(exif), **exif.get_ifd(ExifTags.IFD.Exif)}
-    except Exception:  # a damaged EXIF block raises whatever its bytes provoke; it only costs the camera's name
+    except HEADER_ERRORS:  # a damaged EXIF block only costs the camera's name
         return {}
 
 

@@ -13,6 +13,7 @@ from app.vision.dots import Blobs
 from app.vision.homography import (
     PLATE_DOTS_U,
     apply_homographies,
+    area_scales,
     homography_jacobians,
     image_from_corner_dots,
 )
@@ -54,7 +55,7 @@ class ProposalOptions:
 
 
 def gap_points_u() -> Array:
-    """Plate coordinates, shape (21, 2), of the black farthest from any dot: nine inner gaps and twelve at the border."""
+    """Plate coordinates, shape (21, 2), of the black farthest from any dot: nine inner gaps, twelve at the border."""
     inner = np.array([(x, y) for y in (-3.0, 0.0, 3.0) for x in (-3.0, 0.0, 3.0)])
     along = [(x, y) for x in (-3.0, 0.0, 3.0) for y in (-5.9, 5.9)]
     return np.concatenate([inner, along, [(y, x) for x, y in along]])
@@ -99,8 +100,7 @@ def _sizes_agree(
     image_from_plate: Array, blobs: Blobs, groups: Indices, options: ProposalOptions
 ) -> npt.NDArray[np.bool_]:
     """Whether E is where the corners say, and the blobs are as large as the plate says."""
-    jacobians = homography_jacobians(image_from_plate, BASE_U)
-    px_per_u = np.sqrt(np.abs(np.linalg.det(jacobians)))
+    px_per_u = area_scales(homography_jacobians(image_from_plate, BASE_U))
     e_px = apply_homographies(image_from_plate, BASE_U[4:])[:, 0]
     offset_px = np.linalg.norm(e_px - blobs.centres_px[groups[:, 4]], axis=1)
     e_agrees = offset_px < options.e_offset_u * px_per_u[:, 4] + options.e_offset_px

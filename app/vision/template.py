@@ -2,13 +2,15 @@
 
 A patch around a plate is a sum of known pictures: each dot's blurred disc and its two derivatives, the background with
 a gradient, the paper around the plate. The coefficients, found by one matrix product per plate, give each dot's colour
-free of its neighbours' blur, and, as ratio of derivative to disc, where it really stands (Gauss-Newton of a template fit).
+free of its neighbours' blur, and, as ratio of derivative to disc, where it really stands (one Gauss-Newton step of a
+template fit).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from enum import Enum
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +22,6 @@ from app.vision.homography import PLATE_DOTS_U
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 
-SAMPLE_STEP_U = 0.4  # a dot's diameter holds five samples; finer gains nothing at 5 px per u
 PATCH_REACH_U = 6.4  # up to the plate's edge (6.5): beyond it stands whatever the plate was posted on
 BLUR_STEP_U = 0.03  # templates are kept at multiples of this blur: half a step changes a dot's amplitude by 1 %
 BLUR_LEVELS = (3, 30)
@@ -32,35 +33,37 @@ COEFFICIENTS = PER_DOT * DOT_COUNT + 6
 PAPER_RIDGE = 1e-3  # the paper enters a patch by blur alone; without blur its columns vanish
 
 
+class PatchGrid(Enum):
+    """How densely a patch is sampled: samples per side over the patch's width."""
+
+    ROUGH = 21  # every 0.64 u: three samples across a dot tell its colour and its place to a tenth of its radius
+    FINE = 33  # every 0.4 u: five samples across a dot; finer gains nothing where samples stand 1-2 px apart
+
+    def points_u(self) -> Array:
+        """Plate coordinates, shape (S, 2), of a patch's samples."""
+        axis = np.linspace(-PATCH_REACH_U, PATCH_REACH_U, self.value)
+        x, y = np.meshgrid(axis, axis)
+        return np.stack([x.ravel(), y.ravel()], axis=1)
+
+
 @dataclass(frozen=True)
 class PlateTemplate:
     """A plate's linear model at one blur.
 
     Attributes
     ----------
-    solver : ndarray of shape (54, S), float32
-        Takes a patch's samples to the coefficients.
     design : ndarray of shape (S, 54), float32
-        Takes the coefficients to the model's samples.
+        Takes the coefficients to the model's samples; its transpose takes samples to the normal equations.
+    normals, cofactors : ndarray of shape (54, 54)
+        The normal matrix, and the inverse of it with the paper's ridge.
     offset_cofactors : ndarray of shape (16, 2, 2)
         Cofactor matrix of each dot's two derivative coefficients.
     """
 
-    solver: Array32
     design: Array32
+    normals: Array
+    cofactors: Array
     offset_cofactors: Array
-
-
-def sample_points_u() -> Array:
-    """Plate coordinates, shape (S, 2), of a patch's samples."""
-    count = round(2 * PATCH_REACH_U / SAMPLE_STEP_U) + 1
-    axis = np.linspace(-PATCH_REACH_U, PATCH_REACH_U, count)
-    x, y = np.meshgrid(axis, axis)
-    return np.stack([x.ravel(), y.ravel()], axis=1)
-
-
-SAMPLES_U = sample_points_u()
-SAMPLE_CELLS = np.hypot(*(SAMPLES_U[:, None] - PLATE_DOTS_U).transpose(2, 0, 1)).argmin(axis=1)
 
 
 def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
@@ -68,26 +71,25 @@ def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
     return np.clip(np.rint(blur_u / BLUR_STEP_U), *BLUR_LEVELS).astype(np.int64)
 
 
-@lru_cache(maxsize=BLUR_LEVELS[1] + 1)
-def plate_template(level: int) -> PlateTemplate:
-    """The template for a blur of ``level * BLUR_STEP_U`` (standard deviation, u)."""
-    blur_u = level * BLUR_STEP_U
-    offset_u = SAMPLES_U[:, None] - PLATE_DOTS_U
+@cache
+def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:
+    """The template for a blur of ``level * BLUR_STEP_U`` (standard deviation, u); there are at most 56 of them."""
+    blur_u, samples_u = level * BLUR_STEP_U, grid.points_u()
+    offset_u = samples_u[:, None] - PLATE_DOTS_U
     radius_u = np.hypot(offset_u[..., 0], offset_u[..., 1])
     disc, by_radius = blurred_disc(radius_u, blur_u)
     # Moving the dot by +d moves the picture the other way: the derivative by the dot's place is -by_radius.
     slope = -by_radius[..., None] * offset_u / np.maximum(radius_u, 1e-9)[..., None]
-    dots = np.concatenate([disc[..., None], slope], axis=-1).reshape(len(SAMPLES_U), -1)
-    plane = np.column_stack([np.ones(len(SAMPLES_U)), SAMPLES_U / PATCH_REACH_U])
-    design = np.hstack([dots, plane, plane * _paper(blur_u)[:, None]])
+    dots = np.concatenate([disc[..., None], slope], axis=-1).reshape(len(samples_u), -1)
+    plane = np.column_stack([np.ones(len(samples_u)), samples_u / PATCH_REACH_U])
+    design = np.hstack([dots, plane, plane * _paper(samples_u, blur_u)[:, None]])
     ridge = np.zeros(COEFFICIENTS)
-    ridge[BACKGROUND.stop :] = PAPER_RIDGE * len(SAMPLES_U)
-    cofactors = np.linalg.inv(design.T @ design + np.diag(ridge))
+    ridge[BACKGROUND.stop :] = PAPER_RIDGE * len(samples_u)
+    normals = design.T @ design
+    cofactors = np.linalg.inv(normals + np.diag(ridge))
     first = PER_DOT * np.arange(DOT_COUNT)[:, None, None] + 1
     offset_cofactors = cofactors[first + np.arange(2)[:, None], first + np.arange(2)]
-    return PlateTemplate(
-        (cofactors @ design.T).astype(np.float32), design.astype(np.float32), offset_cofactors
-    )
+    return PlateTemplate(design.astype(np.float32), normals, cofactors, offset_cofactors)
 
 
 def blurred_disc(radius_u: Array, blur_u: float) -> tuple[Array, Array]:
@@ -111,9 +113,9 @@ def blurred_disc(radius_u: Array, blur_u: float) -> tuple[Array, Array]:
     return np.interp(radius_u, table_u, disc, right=0.0), np.interp(radius_u, table_u, by_radius, right=0.0)
 
 
-def _paper(blur_u: float) -> Array:
+def _paper(samples_u: Array, blur_u: float) -> Array:
     """1 minus the blurred square plate at the samples: how much paper shows through."""
     half, scale = PLATE_SIDE_U / 2.0, np.sqrt(2.0) * blur_u
-    inside = 0.5 * (erf((SAMPLES_U + half) / scale) - erf((SAMPLES_U - half) / scale))
+    inside = 0.5 * (erf((samples_u + half) / scale) - erf((samples_u - half) / scale))
     result: Array = 1.0 - inside[:, 0] * inside[:, 1]
     return result
