@@ -24,7 +24,7 @@ FORMAT = "scattermark-map-1"
 
 
 @dataclass(frozen=True)
-class KnownCamera:
+class MapCamera:
     """A calibrated camera and how its photographs are recognised."""
 
     identity: CameraIdentity
@@ -36,7 +36,7 @@ class MapFile:
     """What one file holds: a target map and the cameras of its survey."""
 
     target_map: TargetMap
-    cameras: tuple[KnownCamera, ...] = ()
+    cameras: tuple[MapCamera, ...] = ()
 
 
 def write_map(path: Path, content: MapFile) -> None:
@@ -139,7 +139,7 @@ def _target_from_json(record: Mapping[str, Any]) -> MappedTarget:
     )
 
 
-def _camera_to_json(known: KnownCamera) -> dict[str, Any]:
+def _camera_to_json(known: MapCamera) -> dict[str, Any]:
     return {
         "identity": asdict(known.identity),
         "intrinsics": known.calibrated.camera.intrinsics.tolist(),
@@ -148,9 +148,9 @@ def _camera_to_json(known: KnownCamera) -> dict[str, Any]:
     }
 
 
-def _camera_from_json(record: Mapping[str, Any]) -> KnownCamera:
+def _camera_from_json(record: Mapping[str, Any]) -> MapCamera:
     identity = CameraIdentity(**record["identity"])
     intrinsics = np.array(record["intrinsics"], dtype=np.float64)
     camera = Camera(identity.width_px, identity.height_px, intrinsics)
     covariance = np.array(record["covariance"], dtype=np.float64)
-    return KnownCamera(identity, CalibratedCamera(camera, covariance, cast(CameraSource, record["source"])))
+    return MapCamera(identity, CalibratedCamera(camera, covariance, cast(CameraSource, record["source"])))

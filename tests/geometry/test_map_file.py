@@ -10,7 +10,7 @@ import pytest
 
 from app.errors import InvalidInput
 from app.geometry.camera import CalibratedCamera, Camera, CameraIdentity
-from app.geometry.map_file import KnownCamera, MapFile, map_to_json, read_map, write_map
+from app.geometry.map_file import MapCamera, MapFile, map_to_json, read_map, write_map
 from app.geometry.pose import Pose
 from app.geometry.rotation import exp_rotation
 from app.geometry.target_map import Datum, MappedTarget, TargetMap
@@ -33,7 +33,7 @@ def a_map(rng: np.random.Generator) -> MapFile:
     identity = CameraIdentity("Google", "Pixel 2", 1280, 720, 4.4, 26.0)
     intrinsics = np.array([921.6, 921.6, 643.1, 357.4, 0.074, -0.151, -0.0003, 0.0005, 0.036])
     calibrated = CalibratedCamera(Camera(1280, 720, intrinsics), covariance(rng, 9), "survey")
-    return MapFile(TargetMap(tuple(targets), datum, "golay", 0.014), (KnownCamera(identity, calibrated),))
+    return MapFile(TargetMap(tuple(targets), datum, "golay", 0.014), (MapCamera(identity, calibrated),))
 
 
 def test_a_file_gives_back_what_was_written(tmp_path: Path) -> None:

@@ -1,0 +1,71 @@
+"""The command line: ``scattermark <command>``. One module per command; heavy imports wait until a command runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+from app.cli import build, demo, detect, locate, migrate, serve
+from app.errors import ScattermarkError
+
+COMMANDS = {
+    "serve": serve,
+    "demo": demo,
+    "detect": detect,
+    "build": build,
+    "locate": locate,
+    "migrate": migrate,
+}
+
+FAILED = 1
+INTERRUPTED = 130  # the shell's convention for Ctrl-C
+OUTPUT_CLOSED = 141  # and for a reader that went away
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Returns
+    -------
+    int
+        0 when all went well, 1 when the input was bad or something was not located, 2 for wrong arguments.
+    """
+    parsed = _parser().parse_args(arguments)
+    try:
+        return int(parsed.run(parsed))
+    except ScattermarkError as error:
+        _report(parsed, error.slug, error.detail, error.fields)
+    except BrokenPipeError:
+        # Python would complain once more when it flushes standard output at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OUTPUT_CLOSED
+    except OSError as error:
+        _report(parsed, "os-error", f"{error.filename or 'system'}: {error.strerror or error}", {})
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    return FAILED
+
+
+def _report(parsed: argparse.Namespace, slug: str, detail: str, fields: dict[str, Any]) -> None:
+    if getattr(parsed, "json", False):
+        print(json.dumps({"error": slug, "detail": detail, **fields}, default=str))
+    print(f"scattermark {parsed.command}: {' '.join(detail.split())}", file=sys.stderr)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="scattermark", description="Positions of photographs among surveyed targets, to millimetres."
+    )
+    parser.add_argument("--version", action="version", version=version("scattermark"))
+    commands = parser.add_subparsers(dest="command", required=True, metavar="command")
+    for name, command in COMMANDS.items():
+        command_parser = commands.add_parser(name, help=command.HELP, description=command.HELP)
+        command.configure(command_parser)
+        command_parser.set_defaults(run=command.run)
+    return parser

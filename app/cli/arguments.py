@@ -1,0 +1,76 @@
+"""Arguments that several commands share, and the files they name."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from app.errors import InvalidInput
+
+PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".webp")
+STRICTNESSES = ("strict", "normal", "eager")
+FAMILIES = ("golay", "hamming", "parity", "full")  # tests hold it equal to the library's list, whose import is slow
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Options that say how targets are read."""
+    parser.add_argument("--family", default="golay", choices=FAMILIES, help="code family of the plates (golay)")
+    parser.add_argument(
+        "--strictness",
+        default="normal",
+        choices=STRICTNESSES,
+        help="evidence that a target needs: strict mends no dot, normal one, eager two (normal)",
+    )
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """The option for machines."""
+    parser.add_argument("--json", action="store_true", help="print JSON for machines")
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """Width of the worker pool."""
+    parser.add_argument("--workers", type=at_least_one, default=os.cpu_count() or 1, help="worker processes (cores)")
+
+
+def at_least_one(text: str) -> int:
+    """A count for argparse."""
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError("at least one")
+    return count
+
+
+def positive(text: str) -> float:
+    """A positive number for argparse."""
+    number = float(text)
+    if not 0.0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"a positive number is needed, got {text}")
+    return number
+
+
+def photo_files(paths: list[Path]) -> list[Path]:
+    """The photographs that paths name: files as they are, folders by the photographs in them, in order.
+
+    Raises
+    ------
+    InvalidInput
+        When a path does not exist, a folder holds no photograph, or two files share a name.
+    """
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            found = sorted(file for file in path.iterdir() if file.suffix.lower() in PHOTO_SUFFIXES)
+            if not found:
+                raise InvalidInput(f"{path} holds no photograph ({', '.join(PHOTO_SUFFIXES)})")
+            files.extend(found)
+        elif path.is_file():
+            files.append(path)
+        else:
+            raise InvalidInput(f"there is no photograph {path}")
+    names = [file.name for file in files]
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise InvalidInput(f"photographs are known by name, and these names come twice: {', '.join(repeated)}")
+    return files

@@ -1,0 +1,128 @@
+"""``scattermark build``: photographs and control points to a target map, without the service."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from concurrent.futures import as_completed
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.arguments import add_json, add_reading, add_workers, photo_files, positive
+from app.cli.progress import Report, progress
+from app.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from app.geometry.control import ControlPoint
+    from app.photogrammetry.survey import SurveyPhoto, SurveyResult
+
+MM_PER_M = 1000.0
+
+
+HELP = "build a target map from photographs"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("photos", type=Path, nargs="+", help="photographs, or folders of them")
+    parser.add_argument("--control", type=Path, metavar="CSV", help="control and check points; none: a free map")
+    parser.add_argument("--out", type=Path, required=True, metavar="MAP.json", help="where the map goes")
+    parser.add_argument("--report", type=Path, metavar="REPORT.json", help="where the adjustment report goes")
+    parser.add_argument("--u-mm", type=positive, default=14.0, help="printed module of the plates in mm (14)")
+    add_reading(parser)
+    add_workers(parser)
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Detect each, adjust, write."""
+    from app.geometry.map_file import MapCamera, MapFile, write_map
+    from app.photogrammetry.survey import PlateSpec, adjust_survey
+
+    plate = PlateSpec(arguments.family, arguments.u_mm / MM_PER_M)
+    control = read_control(arguments.control, arguments.family) if arguments.control else ()
+    paths = photo_files(arguments.photos)
+    with progress() as report:
+        photos = detect_all(paths, arguments, report)
+        survey = adjust_survey(photos, control, plate, progress=report)
+    cameras = tuple(MapCamera(camera.identity, camera.calibrated) for camera in survey.cameras)
+    write_map(arguments.out, MapFile(survey.target_map, cameras))
+    record = survey.report.to_json()
+    if arguments.report is not None:
+        arguments.report.write_text(json.dumps(record, indent=1))
+    if arguments.json:
+        print(json.dumps(_summary(survey, arguments.out)))
+    else:
+        _print(survey, arguments.out)
+    return 0
+
+
+def read_control(path: Path, family_name: str) -> tuple[ControlPoint, ...]:
+    """Control and check points of a CSV file.
+
+    Raises
+    ------
+    InvalidControlPoints
+        Naming each bad row, or when the points cannot carry a datum.
+    """
+    from app.services.control_points import check_datum, points_of_records, records_of_csv
+    from app.targets.family import family_by_name
+
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InvalidInput(f"{path} is no CSV text ({error.reason} at byte {error.start})") from error
+    points = points_of_records(records_of_csv(text), family_by_name(family_name))
+    check_datum(points)
+    return points
+
+
+def detect_all(paths: Sequence[Path], arguments: argparse.Namespace, report: Report) -> list[SurveyPhoto]:
+    """Detections of all photographs, in the order of the paths, from a pool of workers.
+
+    Raises
+    ------
+    InvalidInput
+        Naming the first photograph that cannot be read.
+    """
+    from app.cli.detect_file import detect_file
+    from app.jobs.pool import WorkerPool
+    from app.jobs.warm_up import warm_up
+
+    workers = min(arguments.workers, len(paths))
+    report("detecting", 0, len(paths))
+    with WorkerPool(workers, queue_depth=len(paths), initializer=warm_up) as pool:
+        tasks = [pool.submit(detect_file, path, arguments.family, arguments.strictness) for path in paths]
+        try:
+            for done, task in enumerate(as_completed(tasks), start=1):
+                task.result()  # raises now what went wrong with any of them
+                report("detecting", done, len(paths))
+        except BaseException:
+            for task in tasks:
+                task.cancel()
+            raise
+        return [task.result() for task in tasks]
+
+
+def _summary(survey: SurveyResult, path: Path) -> dict[str, Any]:
+    return {
+        "map": str(path),
+        "targets": len(survey.target_map.targets),
+        "photographs": len(survey.photos),
+        "unoriented": [{"photo": name, "reason": reason} for name, reason in survey.unoriented],
+        "report": survey.report.to_json(),
+    }
+
+
+def _print(survey: SurveyResult, path: Path) -> None:
+    total = len(survey.photos) + len(survey.unoriented)
+    print(f"{len(survey.photos)} of {total} photographs oriented, {len(survey.target_map.targets)} targets in {path}")
+    for name, reason in survey.unoriented:
+        print(f"  not oriented: {name}: {reason}")
+    for camera in survey.cameras:
+        fx_px, sigma_px = camera.calibrated.camera.fx_px, camera.calibrated.covariance[0, 0] ** 0.5
+        print(f"  camera {camera.identity.key}: fx {fx_px:.2f} +- {sigma_px:.2f} px")
+    datum = survey.target_map.datum
+    if datum.assumed_scale:
+        print("  no control points: scale from the printed size, z from the plates")

@@ -1,0 +1,18 @@
+"""What a worker does for one photograph on disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.cli.read_photo import read_photo
+from app.photogrammetry.survey import SurveyPhoto
+from app.targets.family import family_by_name
+from app.vision.detector import DetectorOptions, detect
+from app.vision.judgement import Strictness
+
+
+def detect_file(path: Path, family_name: str, strictness: Strictness) -> SurveyPhoto:
+    """Read and detect; errors name the file."""
+    photo = read_photo(path)
+    detection = detect(photo.bgr, family_by_name(family_name), DetectorOptions(strictness=strictness))
+    return SurveyPhoto(path.name, photo.identity, detection)

@@ -1,0 +1,138 @@
+"""``scattermark locate``: snapshots to poses with a map file, without the service."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.arguments import add_json, photo_files
+from app.cli.progress import progress
+from app.errors import InvalidInput, NotLocated
+
+if TYPE_CHECKING:
+    from app.geometry.map_file import MapFile
+    from app.photogrammetry.resection import Resection
+    from app.services.choose_camera import KnownCameras
+
+MM_PER_M = 1000.0
+
+
+HELP = "locate snapshots in a target map"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("photos", type=Path, nargs="+", help="snapshots, or folders of them")
+    parser.add_argument("--map", type=Path, required=True, metavar="MAP.json", help="what `scattermark build` wrote")
+    parser.add_argument(
+        "--camera", type=Path, metavar="CAMERA.json", help="intrinsics: width_px, height_px, fx, fy, cx, cy, dist"
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Locate each; 1 when one of them was refused."""
+    from app.geometry.map_file import read_map
+
+    content = read_map(arguments.map)
+    known = _known_cameras(content, arguments.camera)
+    paths = photo_files(arguments.photos)
+    records = []
+    with progress() as report:
+        for done, path in enumerate(paths, start=1):
+            records.append(_record(path, content, known))
+            report("locating", done, len(paths))
+    if arguments.json:
+        print(json.dumps(records))
+    else:
+        for record in records:
+            print(_line(record))
+    return 0 if all("reason" not in record for record in records) else 1
+
+
+def _known_cameras(content: MapFile, camera_path: Path | None) -> KnownCameras:
+    """The survey's cameras, and the one that the user describes."""
+    from app.services.choose_camera import KnownCameras
+    from app.storage.records import StoredCamera
+
+    stored = tuple(
+        StoredCamera(camera.identity.key, camera.identity, camera.calibrated, None, None, None, 0.0)
+        for camera in content.cameras
+    )
+    return KnownCameras(named=_camera_of_file(camera_path) if camera_path else None, stored=stored)
+
+
+def _camera_of_file(path: Path) -> Any:
+    import numpy as np
+
+    from app.geometry.camera import Camera
+    from app.photogrammetry.camera_prior import camera_from_client
+
+    try:
+        record = json.loads(path.read_text())
+        distortion = record.get("dist") or [0.0] * 5
+        values = [record["fx"], record["fy"], record["cx"], record["cy"], *distortion]
+        camera = Camera(int(record["width_px"]), int(record["height_px"]), np.array(values, dtype=np.float64))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InvalidInput(
+            f"{path} describes no camera ({error!r}); give JSON with width_px, height_px, fx, fy, cx, cy and "
+            "dist (k1, k2, p1, p2, k3)"
+        ) from error
+    return camera_from_client(camera, distortion_known="dist" in record)
+
+
+def _record(path: Path, content: MapFile, known: KnownCameras) -> dict[str, Any]:
+    from app.cli.read_photo import read_photo
+    from app.services.choose_camera import choose_cameras
+    from app.services.locate_work import resect_best
+    from app.targets.family import family_by_name
+    from app.vision.detector import detect
+
+    photo = read_photo(path)
+    target_map = content.target_map
+    family = family_by_name(target_map.code_family)
+    detection = detect(photo.bgr, family, known_codes=frozenset(target_map.by_code))
+    try:
+        resection, camera = resect_best(detection, target_map, choose_cameras(photo.header, known))
+    except NotLocated as refusal:
+        return {"photo": path.name, "detail": refusal.detail, **refusal.fields}
+    return {"photo": path.name, **_pose(resection), "camera_source": camera.source}
+
+
+def _pose(resection: Resection) -> dict[str, Any]:
+    import numpy as np
+
+    from app.geometry.rotation import photogrammetric_angles_deg
+
+    pose = resection.site_from_cam
+    angles_deg = photogrammetric_angles_deg(pose.rotation)
+    return {
+        "position_m": pose.position_m.tolist(),
+        "orientation_xyzw": pose.orientation_xyzw.tolist(),
+        "angles_deg": None if angles_deg is None else dict(zip(("phi", "omega", "kappa"), angles_deg, strict=True)),
+        "covariance": resection.covariance.tolist(),
+        "position_sigma_m": np.sqrt(np.diag(resection.covariance)[:3]).tolist(),
+        "targets": [
+            {"code": target.code, "rms_px": target.rms_px, "used": target.used} for target in resection.targets
+        ],
+        "sigma0": resection.sigma0,
+        "redundancy": resection.redundancy,
+        "rms_residual_px": resection.rms_residual_px,
+        "ambiguity_ratio": resection.ambiguity_ratio,
+    }
+
+
+def _line(record: dict[str, Any]) -> str:
+    if "reason" in record:
+        return f"{record['photo']}: not located ({record['reason']}): {record['detail']}"
+    x_m, y_m, z_m = record["position_m"]
+    sigma_mm = " ".join(f"{MM_PER_M * sigma_m:.1f}" for sigma_m in record["position_sigma_m"])
+    used = sum(target["used"] for target in record["targets"])
+    turned = record["angles_deg"]
+    angles = "" if turned is None else " ".join(f"{name} {value:.2f}" for name, value in turned.items()) + " deg, "
+    return (
+        f"{record['photo']}: {x_m:.4f} {y_m:.4f} {z_m:.4f} m +- {sigma_mm} mm, {angles}{used} targets, "
+        f"rms {record['rms_residual_px']:.3f} px, camera from {record['camera_source']}"
+    )
