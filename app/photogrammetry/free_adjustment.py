@@ -1,0 +1,121 @@
+"""Adjust a free network while it grows: what stands, held at one photograph, with the cameras as unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from app.photogrammetry.bundle import BundleOptions, adjust_bundle
+from app.photogrammetry.bundle_normals import squared_residuals
+from app.photogrammetry.bundle_problem import BundleProblem
+from app.photogrammetry.equations import PoseEquations
+from app.photogrammetry.growth import Growth
+from app.photogrammetry.network import POSE_COUNT, Network
+from app.photogrammetry.robust import MEDIAN_LENGTH_2D, RobustLoss, robust_scale
+
+Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.intp]
+Mask = npt.NDArray[np.bool_]
+
+ADJUSTED_RAYS = 2  # a target that one photograph sees adds nothing to an adjustment
+
+# Weight of the held photograph's pose. It is the only thing that fixes the frame, so any weight holds it exactly; this
+# one, a tenth of a millimetre and of a milliradian, is of the order of the photographs' own and keeps the numbers good.
+HELD_INFORMATION = 1e8
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some photographs (ascending) and targets of a survey that are adjusted together."""
+
+    photos: Index
+    targets: Index
+
+
+def held_photo(network: Network, photo: int) -> PoseEquations:
+    """The equations that hold a free network in its frame by one photograph's present pose."""
+    return PoseEquations(
+        np.array([photo]),
+        network.photo_rotations[[photo]],
+        network.photo_positions_m[[photo]],
+        HELD_INFORMATION * np.eye(POSE_COUNT)[None],
+    )
+
+
+def part_problem(problem: BundleProblem, part: Part) -> BundleProblem:
+    """The observations among a part, photographs and targets renumbered."""
+    return replace(
+        problem,
+        sightings=problem.sightings.among(part.photos, part.targets),
+        camera_of_photo=problem.camera_of_photo[part.photos],
+    )
+
+
+def adjust_growth(growth: Growth) -> Growth:
+    """Adjust what stands; targets and photographs that have strayed are taken out again."""
+    part = _standing(growth)
+    if not len(part.photos):
+        return growth
+    problem = part_problem(growth.problem, part)
+    network = growth.network.among(part.photos, part.targets)
+    problem = replace(problem, photo_poses=held_photo(network, 0))
+    network = _adjusted(problem, network, growth)
+    squared = squared_residuals(problem, network)
+    growth = replace(
+        growth,
+        network=growth.network.with_part(network, part.photos, part.targets),
+        adjusted_photos=int(growth.oriented.sum()),
+    )
+    return _without_strays(_with_mirrors_moved(growth, part), problem, part, squared)
+
+
+def _standing(growth: Growth) -> Part:
+    """Decided targets that two oriented photographs see, and the photographs that see any of them."""
+    every = growth.problem.sightings
+    seen = every.select(growth.oriented[every.photo] & growth.decided[every.target])
+    targets = np.flatnonzero(seen.rays() >= ADJUSTED_RAYS)
+    photos = np.unique(seen.photo[np.isin(seen.target, targets)])
+    return Part(photos, targets)
+
+
+def _adjusted(problem: BundleProblem, network: Network, growth: Growth) -> Network:
+    """Adjusted twice, the second time with a loss as narrow as the residuals of the first allow."""
+    for _ in range(2):
+        squared = squared_residuals(problem, network)[problem.sightings.measured]
+        width = growth.options.loss_width * max(robust_scale(squared), 1.0)
+        options = BundleOptions(loss=RobustLoss("cauchy", width), most_steps=growth.options.adjustment_steps)
+        network = adjust_bundle(problem, network, options).network
+    return network
+
+
+def _with_mirrors_moved(growth: Growth, part: Part) -> Growth:
+    """Decided targets have one pose, which the adjustment has moved."""
+    mirrors, positions_m = growth.mirror_rotations.copy(), growth.mirror_positions_m.copy()
+    mirrors[part.targets] = growth.network.target_rotations[part.targets]
+    positions_m[part.targets] = growth.network.target_positions_m[part.targets]
+    return replace(growth, mirror_rotations=mirrors, mirror_positions_m=positions_m)
+
+
+def _without_strays(growth: Growth, problem: BundleProblem, part: Part, squared: Array) -> Growth:
+    sightings = problem.sightings
+    measured = sightings.measured
+    limit = growth.options.strayed * robust_scale(squared[measured])
+    of_target = _median_per(sightings.target, squared, measured, len(part.targets))
+    of_photo = _median_per(sightings.photo, squared, measured, len(part.photos))
+    decided, oriented = growth.decided.copy(), growth.oriented.copy()
+    decided[part.targets[of_target > limit]] = False
+    oriented[part.photos[of_photo > max(limit, growth.capture_loss.width)]] = False
+    return replace(growth, decided=decided, oriented=oriented)
+
+
+def _median_per(index: Index, squared: Array, measured: Mask, count: int) -> Array:
+    """Robust standard deviation of the measured dots of each photograph or target, shape (count,)."""
+    owner = np.broadcast_to(index[:, None], squared.shape)[measured]
+    values = squared[measured]
+    order = np.lexsort([values, owner])
+    starts = np.searchsorted(owner[order], np.arange(count))
+    sizes = np.bincount(owner, minlength=count)
+    middle = np.minimum(starts + sizes // 2, len(values) - 1)
+    return np.where(sizes > 0, np.sqrt(values[order][middle]) / MEDIAN_LENGTH_2D, 0.0)
