@@ -1,0 +1,62 @@
+"""The application: routes with their size limits, the error table, the services of its lifetime."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from app.api.dependencies import Services
+from app.api.problems import Problem, add_handlers
+from app.api.routes import jobs, locate, maps, operations, sites, surveys
+from app.settings import Settings
+
+OpenServices = Callable[[], AbstractAsyncContextManager[Services]]
+
+FORM_OVERHEAD_BYTES = 2**16  # of a snapshot's form around its image
+
+DESCRIPTION = "Survey a room with printed targets, then locate photographs in it to millimetres."
+
+
+def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
+    """The HTTP interface over services that live as long as it does.
+
+    Parameters
+    ----------
+    settings : Settings
+        For the limits of request bodies.
+    open_services : callable
+        Gives a context that starts the services and ends them.
+    """
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[dict[str, Any]]:
+        async with open_services() as services:
+            yield {"services": services}
+
+    app = FastAPI(title="Scattermark", description=DESCRIPTION, lifespan=lifespan)
+    add_handlers(app)
+    snapshot_bytes = settings.max_photo_bytes + FORM_OVERHEAD_BYTES
+    for routes in (sites, surveys, jobs, maps, operations):
+        app.include_router(routes.router, max_body_size=settings.max_text_bytes)
+    app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)
+    app.include_router(locate.router, max_body_size=snapshot_bytes)
+    app.include_router(surveys.upload_router, max_body_size=settings.max_upload_bytes)
+    _describe_problems(app)
+    return app
+
+
+def _describe_problems(app: FastAPI) -> None:
+    """Put the problem's schema, which the error table refers to by name, into the OpenAPI document."""
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
+            document["components"]["schemas"]["Problem"] = Problem.model_json_schema()
+            app.openapi_schema = document
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]

@@ -1,0 +1,91 @@
+"""What endpoints are given: the running services, a session that commits before the answer leaves, checked ids."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends, Path, Query, Request
+from pydantic import AfterValidator, StringConstraints
+
+from app.errors import NotFound
+from app.services.locate import Locator
+from app.services.ports import BuildQueue
+from app.services.readiness import Readiness
+from app.services.surveys import PhotoIntake
+from app.storage.database import Database, Session
+from app.storage.paging import PageRequest
+
+GREATEST_INTEGER = 2**31 - 1  # of a database column
+GREATEST_PAGE = 1000
+
+
+@dataclass(frozen=True)
+class Services:
+    """All that runs behind the interface."""
+
+    database: Database
+    intake: PhotoIntake
+    builds: BuildQueue
+    locator: Locator
+    readiness: Readiness
+
+
+def services_of(request: Request) -> Services:
+    """The services that the lifespan started."""
+    services = request.state.services
+    assert isinstance(services, Services)
+    return services
+
+
+Running = Annotated[Services, Depends(services_of)]
+
+
+def reading(services: Running) -> Iterator[Session]:
+    """A session that cannot write."""
+    with services.database.reading() as session:
+        yield session
+
+
+def writing(services: Running) -> Iterator[Session]:
+    """A session that is committed when the endpoint returns, before its answer leaves."""
+    with services.database.writing() as session:
+        yield session
+
+
+ReadSession = Annotated[Session, Depends(reading, scope="function")]
+WriteSession = Annotated[Session, Depends(writing, scope="function")]
+
+
+def _plausible_id(text: str) -> str:
+    """An id that a database can be asked for; any other names nothing."""
+    if not text.isprintable() or len(text) > 100:
+        raise NotFound(f"there is nothing with the id {text[:100]!r}; ids are what the answers to POST name")
+    return text
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError("has characters that cannot be printed")
+    return text
+
+
+Id = Annotated[str, AfterValidator(_plausible_id)]
+PathId = Annotated[str, Path(), AfterValidator(_plausible_id)]
+Text = Annotated[
+    str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200), AfterValidator(_printable)
+]
+Version = Annotated[int, Query(ge=1, le=GREATEST_INTEGER, description="A version of the map; the active one if none.")]
+PathVersion = Annotated[int, Path(ge=1, le=GREATEST_INTEGER)]
+
+
+def page_request(
+    limit: Annotated[int, Query(ge=1, le=GREATEST_PAGE)] = 100,
+    cursor: Annotated[str | None, Query(max_length=1000, description="What the page before named next_cursor.")] = None,
+) -> PageRequest:
+    """Which page of a list is wanted."""
+    return PageRequest(limit, cursor)
+
+
+Paging = Annotated[PageRequest, Depends(page_request)]

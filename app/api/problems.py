@@ -1,0 +1,140 @@
+"""Errors as RFC 9457 problems: the one table that gives each kind of error its status."""
+
+from __future__ import annotations
+
+import logging
+import uuid
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, ConfigDict, Field
+from starlette.exceptions import HTTPException
+
+from app import errors
+from app.storage.database import StorageUnavailable
+
+log = logging.getLogger(__name__)
+
+TYPE_ROOT = "https://scattermark.dev/problems/"
+MEDIA_TYPE = "application/problem+json"
+MEMBERS = ("type", "title", "status", "detail")
+ERRORS_SHOWN = 5
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How one kind of error is answered."""
+
+    status: int
+    title: str
+
+
+TABLE: dict[type[errors.ScattermarkError], Kind] = {
+    errors.InvalidInput: Kind(422, "Invalid input"),
+    errors.InvalidControlPoints: Kind(422, "Unusable control points"),
+    errors.BadPhoto: Kind(415, "Not a readable photograph"),
+    errors.UnsupportedPhoto: Kind(415, "Unsupported kind of image"),
+    errors.PhotoTooLarge: Kind(413, "Photograph too large"),
+    errors.NotFound: Kind(404, "Not found"),
+    errors.Conflict: Kind(409, "Conflict"),
+    errors.DegenerateGeometry: Kind(422, "Degenerate geometry"),
+    errors.SurveyFailed: Kind(422, "Survey cannot be adjusted"),
+    errors.NotLocated: Kind(422, "Not located"),
+    errors.Cancelled: Kind(503, "Cancelled"),
+    errors.ServerFull: Kind(503, "Server full"),
+    errors.TimedOut: Kind(504, "Time limit exceeded"),
+    errors.WorkerCrashed: Kind(500, "Worker crashed"),
+    StorageUnavailable: Kind(503, "Database unavailable"),
+    errors.ScattermarkError: Kind(500, "Error"),
+}
+
+HTTP_PROBLEMS: dict[int, tuple[str, str, str]] = {
+    404: ("not-found", "Not found", "there is nothing at {path}; /docs lists the calls"),
+    405: ("method-not-allowed", "Method not allowed", "{path} does not take {method}; /docs lists the calls"),
+    406: ("not-acceptable", "Not acceptable", "{detail}"),
+    413: ("too-large", "Request too large", "the request is larger than this call takes; send less at a time"),
+    415: ("unsupported-media-type", "Unsupported media type", "{detail}"),
+}
+
+
+class Problem(BaseModel):
+    """A problem as RFC 9457 has it; each type may add its own members."""
+
+    model_config = ConfigDict(extra="allow")
+
+    type: str = Field(examples=[TYPE_ROOT + "not-found"])
+    title: str
+    status: int
+    detail: str = Field(description="What happened and what to do about it.")
+
+
+def problem_of(slug: str, kind: Kind, detail: str, fields: dict[str, Any]) -> dict[str, Any]:
+    """A problem as JSON; an error's fields become members of their own."""
+    members = {name: value for name, value in fields.items() if name not in MEMBERS}
+    return {"type": TYPE_ROOT + slug, "title": kind.title, "status": kind.status, "detail": detail, **members}
+
+
+def kind_of(error_type: type[errors.ScattermarkError]) -> Kind:
+    """The row of the table for an error, or for its nearest ancestor."""
+    return next(TABLE[ancestor] for ancestor in error_type.__mro__ if ancestor in TABLE)
+
+
+def kind_of_slug(slug: str) -> Kind:
+    """The row of the table for an error that was stored by its slug."""
+    return next((kind for error_type, kind in TABLE.items() if error_type.slug == slug), TABLE[errors.ScattermarkError])
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """OpenAPI's word on the problems a call can answer with."""
+    titles = {kind.status: kind.title for kind in reversed(TABLE.values())}
+    content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    return {status: {"description": titles.get(status, "Problem"), "content": content} for status in statuses}
+
+
+def add_handlers(app: FastAPI) -> None:
+    """Answer every error with a problem."""
+    app.add_exception_handler(errors.ScattermarkError, _on_known_error)
+    app.add_exception_handler(RequestValidationError, _on_validation_error)
+    app.add_exception_handler(HTTPException, _on_http_error)
+    app.add_exception_handler(Exception, _on_fault)
+
+
+def _answer(problem: dict[str, Any], headers: dict[str, str] | None = None) -> JSONResponse:
+    return JSONResponse(problem, status_code=problem["status"], media_type=MEDIA_TYPE, headers=headers)
+
+
+async def _on_known_error(_request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, errors.ScattermarkError)
+    kind = kind_of(type(error))
+    if kind.status == 500:
+        log.error("%s: %s", error.slug, error.detail)
+    retry_after_s = error.fields.get("retry_after_s")
+    headers = None if retry_after_s is None else {"Retry-After": str(retry_after_s)}
+    return _answer(problem_of(error.slug, kind, error.detail, error.fields), headers)
+
+
+async def _on_validation_error(_request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)
+    found = [{"field": ".".join(str(part) for part in item["loc"]), "problem": item["msg"]} for item in error.errors()]
+    shown = "; ".join(f"{item['field']}: {item['problem']}" for item in found[:ERRORS_SHOWN])
+    detail = f"the request does not fit this call ({shown}); correct it, /docs shows what is expected"
+    return _answer(problem_of("invalid-input", TABLE[errors.InvalidInput], detail, {"errors": found}))
+
+
+async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)
+    default = ("http-error", "Error", "{detail}")
+    slug, title, text = HTTP_PROBLEMS.get(error.status_code, default)
+    detail = text.format(path=request.url.path, method=request.method, detail=error.detail)
+    headers = dict(error.headers) if error.headers else None
+    return _answer(problem_of(slug, Kind(error.status_code, title), detail, {}), headers)
+
+
+async def _on_fault(_request: Request, error: Exception) -> JSONResponse:
+    incident = uuid.uuid4().hex
+    log.error("unexpected error, incident %s", incident, exc_info=error)
+    detail = f"a fault of the server; try again, and report incident {incident} if it stays so"
+    return _answer(problem_of("fault", Kind(500, "Internal error"), detail, {"incident": incident}))

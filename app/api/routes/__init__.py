@@ -1,0 +1,1 @@
+"""Endpoints: a signature, one call, a return."""

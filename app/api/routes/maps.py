@@ -1,0 +1,70 @@
+"""Target maps, their versions, their reports; cameras."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, HTTPException, Query, Response
+
+from app.api.dependencies import Id, Paging, PathId, PathVersion, ReadSession, Text, Version, WriteSession
+from app.api.problems import problems
+from app.api.schemas.maps import CamerasAnswer, MapAnswer, MapsAnswer, TargetsAnswer
+from app.services import maps
+from app.storage.cameras import CameraRepository
+from app.storage.target_maps import TargetMapRepository
+
+router = APIRouter(tags=["maps"])
+
+WRITERS = {
+    "csv": (maps.csv_of_map, "text/csv"),
+    "ply": (maps.ply_of_map, "application/ply"),
+    "geojson": (maps.geojson_of_map, "application/geo+json"),
+}
+
+
+@router.get("/sites/{site_id}/targets", response_model=TargetsAnswer, responses=problems(404, 409, 422))
+def get_targets(
+    site_id: PathId,
+    session: ReadSession,
+    format: Annotated[Literal["json", "csv", "geojson", "ply"], Query()] = "json",  # noqa: A002 - the query's name
+    version: Version | None = None,
+) -> Any:
+    """A version of a site's target map."""
+    published = maps.published_map(session, site_id, version)
+    if format == "json":
+        return TargetsAnswer.of(published)
+    write, media_type = WRITERS[format]
+    return Response(write(published), media_type=media_type)
+
+
+@router.get("/sites/{site_id}/report", responses=problems(404, 406, 409, 422))
+def get_report(
+    site_id: PathId,
+    session: ReadSession,
+    format: Annotated[Literal["html", "json", "pdf"], Query()] = "json",  # noqa: A002 - the query's name
+    version: Version | None = None,
+) -> dict[str, Any]:
+    """The adjustment report of a version."""
+    if format != "json":
+        raise HTTPException(406, f"this release writes the report as json only, not as {format}; ask for format=json")
+    return maps.adjustment_report(session, site_id, version)
+
+
+@router.get("/sites/{site_id}/maps", responses=problems(404, 422))
+def list_maps(site_id: PathId, page: Paging, session: ReadSession) -> MapsAnswer:
+    """The versions of a site's target map."""
+    return MapsAnswer.of(TargetMapRepository(session).versions(site_id, page))
+
+
+@router.post("/sites/{site_id}/maps/{version}/activate", responses=problems(404, 422))
+def activate_map(site_id: PathId, version: PathVersion, session: WriteSession) -> MapAnswer:
+    """Locate snapshots in this version from now on."""
+    return MapAnswer.of(maps.activate_map(session, site_id, version))
+
+
+@router.get("/cameras", responses=problems(422))
+def list_cameras(
+    page: Paging, session: ReadSession, site_id: Id | None = None, device_id: Text | None = None
+) -> CamerasAnswer:
+    """Calibrated cameras, of one site or device when named."""
+    return CamerasAnswer.of(CameraRepository(session).page(site_id, device_id, page))

@@ -1,0 +1,85 @@
+"""Surveys, their photographs and their builds."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Body, File, Request, Response, UploadFile
+
+from app.api.dependencies import Paging, PathId, ReadSession, Running, WriteSession
+from app.api.problems import problems
+from app.api.schemas.surveys import (
+    BuildBody,
+    JobStarted,
+    NewSurveyBody,
+    PhotosAnswer,
+    SurveyAnswer,
+    SurveysAnswer,
+    UploadAnswer,
+    UploadedPhotoAnswer,
+)
+from app.api.uploads import IMAGE_BODY, chunks_of_body, chunks_of_file
+from app.services import build_request, surveys
+from app.storage.surveys import SurveyRepository
+
+router = APIRouter(tags=["surveys"])
+photo_router = APIRouter(tags=["surveys"])
+upload_router = APIRouter(tags=["surveys"])
+
+
+@router.post("/sites/{site_id}/surveys", status_code=201, responses=problems(404, 422))
+def open_survey(
+    site_id: PathId, session: WriteSession, body: Annotated[NewSurveyBody | None, Body()] = None
+) -> SurveyAnswer:
+    """Open a survey for photographs."""
+    wanted = body or NewSurveyBody()
+    return SurveyAnswer.of(surveys.open_survey(session, site_id, wanted.note, wanted.device_id))
+
+
+@router.get("/sites/{site_id}/surveys", responses=problems(404, 422))
+def list_surveys(site_id: PathId, page: Paging, session: ReadSession) -> SurveysAnswer:
+    """The surveys of a site in the order they were opened."""
+    return SurveysAnswer.of(SurveyRepository(session).page(site_id, page))
+
+
+@router.get("/surveys/{survey_id}", responses=problems(404, 422))
+def get_survey(survey_id: PathId, session: ReadSession) -> SurveyAnswer:
+    """One survey."""
+    return SurveyAnswer.of(SurveyRepository(session).get(survey_id))
+
+
+@router.get("/surveys/{survey_id}/images", responses=problems(404, 422))
+def list_photos(survey_id: PathId, page: Paging, session: ReadSession) -> PhotosAnswer:
+    """The photographs of a survey by name."""
+    return PhotosAnswer.of(SurveyRepository(session).photo_page(survey_id, page))
+
+
+@photo_router.put(
+    "/surveys/{survey_id}/images/{filename:path}",
+    status_code=201,
+    responses={200: {"model": UploadedPhotoAnswer}, **problems(404, 409, 413, 415, 422)},
+    openapi_extra={"requestBody": IMAGE_BODY},
+)
+async def put_photo(
+    survey_id: PathId, filename: str, request: Request, response: Response, services: Running
+) -> UploadedPhotoAnswer:
+    """Upload one photograph as raw body; 200 when the same bytes are there, so an interrupted upload resumes."""
+    (added,) = await services.intake.take(survey_id, [(filename, chunks_of_body(request))])
+    response.status_code = 201 if added.created else 200
+    return UploadedPhotoAnswer.of_upload(added)
+
+
+@upload_router.post("/surveys/{survey_id}/images", status_code=201, responses=problems(404, 409, 413, 415, 422))
+async def post_photos(
+    survey_id: PathId, images: Annotated[list[UploadFile], File()], services: Running
+) -> UploadAnswer:
+    """Upload photographs as a form, all or none."""
+    added = await services.intake.take(survey_id, [(image.filename or "", chunks_of_file(image)) for image in images])
+    return UploadAnswer(images=[UploadedPhotoAnswer.of_upload(photo) for photo in added])
+
+
+@router.post("/surveys/{survey_id}/build", status_code=202, responses=problems(404, 409, 422))
+def build(survey_id: PathId, services: Running, body: Annotated[BuildBody | None, Body()] = None) -> JobStarted:
+    """Detect in each photograph, adjust, publish a new target map of this survey: in the background."""
+    options = (body or BuildBody()).to_domain()
+    return JobStarted(job_id=build_request.request_build(services.database, services.builds, survey_id, options).job_id)

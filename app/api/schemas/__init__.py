@@ -1,0 +1,1 @@
+"""What goes over the wire, each noun's shape in its own file."""

@@ -1,0 +1,37 @@
+"""Ground of all bodies and answers."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.services.capture_time import iso_of
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
+Quaternion = Annotated[list[float], Field(min_length=4, max_length=4, description="x, y, z, w")]
+
+
+class Body(BaseModel):
+    """A request's body; a misspelt field is an error, not a default."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class Listing(BaseModel):
+    """Ground of the lists."""
+
+    next_cursor: str | None = Field(description="Give it as cursor to get the next page; null at the end.")
+
+
+def time_of(seconds: float) -> str:
+    """ISO 8601 in UTC."""
+    return iso_of(seconds)
+
+
+def numbers_of(array: npt.NDArray[np.float64]) -> list[float]:
+    """A vector as JSON."""
+    return [float(value) for value in array]

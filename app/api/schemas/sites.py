@@ -1,0 +1,158 @@
+"""Sites, control points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import AliasChoices, BaseModel, Field, model_validator
+
+from app.api.dependencies import Text
+from app.api.schemas.common import Body, Finite, Listing, numbers_of, time_of
+from app.geometry.control import ControlPoint
+from app.services.sites import SiteChange
+from app.storage.paging import Page
+from app.storage.records import GeoAnchor, Site
+from app.targets.family import FAMILY_NAMES
+from app.targets.layout import DEFAULT_U_M
+
+FamilyName = Literal["golay", "hamming", "parity", "full"]
+assert FamilyName.__args__ == FAMILY_NAMES  # type: ignore[attr-defined]
+
+
+class GeoAnchorBody(Body):
+    """Where the site frame's origin stands on the Earth (WGS 84), and how it is turned."""
+
+    latitude_deg: Annotated[float, Field(ge=-90, le=90, validation_alias=AliasChoices("latitude_deg", "lat"))]
+    longitude_deg: Annotated[float, Field(ge=-180, le=180, validation_alias=AliasChoices("longitude_deg", "lon"))]
+    height_m: Annotated[float, Field(ge=-12_000, le=100_000, description="Above the ellipsoid.")] = 0.0
+    azimuth_deg: Annotated[
+        float, Field(ge=-360, le=360, description="Direction of the site's Y axis, clockwise from true north.")
+    ] = 0.0
+
+    def to_domain(self) -> GeoAnchor:
+        """The anchor as services know it."""
+        return GeoAnchor(self.latitude_deg, self.longitude_deg, self.height_m, self.azimuth_deg)
+
+
+class NewSiteBody(Body):
+    """A site to be made."""
+
+    name: Text
+    code_family: FamilyName = "golay"
+    plate_u_m: Annotated[
+        float, Field(ge=0.001, le=1.0, description="Module of the printed plates: a plate's side is 13 of it.")
+    ] = DEFAULT_U_M
+    geo_anchor: GeoAnchorBody | None = None
+
+
+class SiteChangeBody(Body):
+    """What of a site shall change; code family and plate size never do."""
+
+    name: Text | None = None
+    geo_anchor: GeoAnchorBody | None = None
+
+    def to_domain(self) -> SiteChange:
+        """The change as services know it; ``geo_anchor: null`` removes the anchor."""
+        anchor = None if self.geo_anchor is None else self.geo_anchor.to_domain()
+        return SiteChange(self.name, "geo_anchor" in self.model_fields_set, anchor)
+
+    @model_validator(mode="after")
+    def _changes_something(self) -> SiteChangeBody:
+        if not self.model_fields_set:
+            raise ValueError("names nothing to change: give name or geo_anchor")
+        return self
+
+
+class GeoAnchorAnswer(BaseModel):
+    """The anchor of a site."""
+
+    latitude_deg: float
+    longitude_deg: float
+    height_m: float
+    azimuth_deg: float
+
+
+class SiteAnswer(BaseModel):
+    """A site."""
+
+    site_id: str
+    name: str
+    code_family: str
+    plate_u_m: float
+    geo_anchor: GeoAnchorAnswer | None
+    map_version: int | None = Field(description="The version that snapshots are located in; null before the first.")
+    created_at: str
+
+    @classmethod
+    def of(cls, site: Site) -> SiteAnswer:
+        """The answer for a site."""
+        return cls(
+            site_id=site.site_id,
+            name=site.name,
+            code_family=site.code_family,
+            plate_u_m=site.plate_u_m,
+            geo_anchor=None if site.geo_anchor is None else GeoAnchorAnswer(**vars(site.geo_anchor)),
+            map_version=site.active_version,
+            created_at=time_of(site.created_s),
+        )
+
+
+class SitesAnswer(Listing):
+    """A page of sites."""
+
+    sites: list[SiteAnswer]
+
+    @classmethod
+    def of(cls, page: Page[Site]) -> SitesAnswer:
+        """The answer for a page."""
+        return cls(sites=[SiteAnswer.of(site) for site in page.items], next_cursor=page.next_cursor)
+
+
+class ControlPointRow(BaseModel):
+    """A control or check point, as sent and as shown."""
+
+    name: str
+    code: int
+    dot: str = Field(description="A ... E, r0c0 ... r3c3, or centre", examples=["A", "r2c1", "centre"])
+    x_m: Finite
+    y_m: Finite
+    z_m: Finite
+    sigma_m: Finite
+    role: Literal["control", "check"]
+
+    @classmethod
+    def of(cls, point: ControlPoint) -> ControlPointRow:
+        """The row of a point."""
+        x_m, y_m, z_m = numbers_of(point.position_m)
+        return cls(
+            name=point.name,
+            code=point.code,
+            dot=point.dot,
+            x_m=x_m,
+            y_m=y_m,
+            z_m=z_m,
+            sigma_m=point.sigma_m,
+            role=point.role,
+        )
+
+
+class ControlPointsAnswer(BaseModel):
+    """All control and check points of a site."""
+
+    site_id: str
+    control_points: list[ControlPointRow]
+
+    @classmethod
+    def of(cls, site_id: str, points: Sequence[ControlPoint]) -> ControlPointsAnswer:
+        """The answer for a site's points."""
+        return cls(site_id=site_id, control_points=[ControlPointRow.of(point) for point in points])
+
+
+CONTROL_POINTS_BODY: dict[str, Any] = {
+    "required": True,
+    "content": {
+        "application/json": {"schema": {"type": "array", "items": ControlPointRow.model_json_schema()}},
+        "text/csv": {"schema": {"type": "string", "examples": ["name,code,dot,x_m,y_m,z_m,sigma_m,role\n"]}},
+    },
+}

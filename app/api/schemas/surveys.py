@@ -1,0 +1,185 @@
+"""Surveys, their photographs, builds and jobs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, Field
+
+from app.api.dependencies import GREATEST_INTEGER, Text
+from app.api.problems import Problem, kind_of_slug, problem_of
+from app.api.schemas.common import Body, Listing, time_of
+from app.services.build_options import BuildOptions, Exclusion
+from app.services.surveys import AddedPhoto
+from app.storage.jobs import Job
+from app.storage.paging import Page
+from app.storage.records import StoredPhoto, Survey
+from app.targets.digits import CODE_COUNT
+
+
+class NewSurveyBody(Body):
+    """A survey to be opened."""
+
+    note: Annotated[str, Field(max_length=10_000)] = ""
+    device_id: Annotated[Text | None, Field(description="The device that takes the photographs, if it is one.")] = None
+
+
+class SurveyAnswer(BaseModel):
+    """A survey."""
+
+    survey_id: str
+    site_id: str
+    note: str
+    device_id: str | None
+    created_at: str
+
+    @classmethod
+    def of(cls, survey: Survey) -> SurveyAnswer:
+        """The answer for a survey."""
+        return cls(
+            survey_id=survey.survey_id,
+            site_id=survey.site_id,
+            note=survey.note,
+            device_id=survey.device_id,
+            created_at=time_of(survey.created_s),
+        )
+
+
+class SurveysAnswer(Listing):
+    """A page of surveys."""
+
+    surveys: list[SurveyAnswer]
+
+    @classmethod
+    def of(cls, page: Page[Survey]) -> SurveysAnswer:
+        """The answer for a page."""
+        return cls(surveys=[SurveyAnswer.of(survey) for survey in page.items], next_cursor=page.next_cursor)
+
+
+class PhotoAnswer(BaseModel):
+    """A photograph of a survey."""
+
+    name: str
+    bytes: int
+    sha256: str
+    width_px: int
+    height_px: int
+    camera: str = Field(description="Make and model as EXIF tells them, empty when it does not.")
+    created_at: str
+
+    @classmethod
+    def of(cls, photo: StoredPhoto) -> PhotoAnswer:
+        """The answer for a photograph."""
+        return cls(
+            name=photo.name,
+            bytes=photo.size_bytes,
+            sha256=photo.sha256,
+            width_px=photo.identity.width_px,
+            height_px=photo.identity.height_px,
+            camera=f"{photo.identity.make} {photo.identity.model}".strip(),
+            created_at=time_of(photo.created_s),
+        )
+
+
+class PhotosAnswer(Listing):
+    """A page of photographs."""
+
+    images: list[PhotoAnswer]
+
+    @classmethod
+    def of(cls, page: Page[StoredPhoto]) -> PhotosAnswer:
+        """The answer for a page."""
+        return cls(images=[PhotoAnswer.of(photo) for photo in page.items], next_cursor=page.next_cursor)
+
+
+class UploadedPhotoAnswer(PhotoAnswer):
+    """A photograph after its upload."""
+
+    created: bool = Field(description="False when the same bytes were there already.")
+
+    @classmethod
+    def of_upload(cls, added: AddedPhoto) -> UploadedPhotoAnswer:
+        """The answer for an upload."""
+        return cls(**PhotoAnswer.of(added.photo).model_dump(), created=added.created)
+
+
+class UploadAnswer(BaseModel):
+    """Photographs after their upload."""
+
+    images: list[UploadedPhotoAnswer]
+
+
+class ExclusionBody(Body):
+    """What a build shall leave out."""
+
+    images: tuple[str, ...] = ()
+    codes: tuple[Annotated[int, Field(ge=0, lt=CODE_COUNT)], ...] = ()
+    control_points: tuple[str, ...] = ()
+
+
+class BuildBody(Body):
+    """Options of a build."""
+
+    exclude: ExclusionBody = ExclusionBody()
+    strictness: Literal["strict", "normal", "eager"] = "normal"
+    activate: Annotated[bool, Field(description="Whether snapshots are located in the new map at once.")] = True
+    base_version: Annotated[
+        int | None, Field(ge=1, le=GREATEST_INTEGER, description="The map that is extended; its datum stands.")
+    ] = None
+
+    def to_domain(self) -> BuildOptions:
+        """The options as services know them."""
+        exclude = Exclusion(self.exclude.images, self.exclude.codes, self.exclude.control_points)
+        return BuildOptions(exclude, self.strictness, self.activate, self.base_version)
+
+
+class JobStarted(BaseModel):
+    """A job that waits for its turn."""
+
+    job_id: str
+
+
+class JobAnswer(BaseModel):
+    """How far a job is."""
+
+    job_id: str
+    state: Literal["queued", "running", "succeeded", "failed", "cancelled"]
+    stage: str = Field(description="What is being done; during 'detect', done and total count photographs.")
+    done: int
+    total: int
+    error: Problem | None = None
+    result: dict[str, Any] | None = None
+    site_id: str
+    survey_id: str
+    created_at: str
+    finished_at: str | None
+
+    @classmethod
+    def of(cls, job: Job) -> JobAnswer:
+        """The answer for a job."""
+        return cls(
+            job_id=job.job_id,
+            state=job.state,
+            stage=job.stage,
+            done=job.done,
+            total=job.total,
+            error=_error(job),
+            result=_result(job),
+            site_id=job.site_id,
+            survey_id=job.survey_id,
+            created_at=time_of(job.created_s),
+            finished_at=None if job.finished_s is None else time_of(job.finished_s),
+        )
+
+
+def _error(job: Job) -> Problem | None:
+    if job.error is None:
+        return None
+    slug = job.error["slug"]
+    return Problem(**problem_of(slug, kind_of_slug(slug), job.error["detail"], job.error["fields"]))
+
+
+def _result(job: Job) -> dict[str, Any] | None:
+    if job.result is None:
+        return None
+    return {**job.result, "report_url": f"/sites/{job.site_id}/report?version={job.result['map_version']}"}

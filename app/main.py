@@ -1,0 +1,69 @@
+"""The service put together: settings -> database, photographs, worker pools, builds -> the HTTP interface."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+
+from fastapi import FastAPI
+
+from app.api.app import build_api
+from app.api.dependencies import Services
+from app.jobs.builds import BuildRunner
+from app.jobs.pool import WorkerPool
+from app.services.build_map import BuildLimits, MapBuilder
+from app.services.locate import LocateLimits, Locator
+from app.services.readiness import Readiness
+from app.services.surveys import PhotoIntake
+from app.services.workbench import open_workbench
+from app.settings import Settings, settings_from_environment
+from app.storage.database import Database
+from app.storage.migrate import upgrade
+from app.storage.photo_store import PhotoStore
+from app.vision.photo import PhotoLimits
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The application for one server process; settings come from the environment when none are given."""
+    settings = settings or settings_from_environment()
+    return build_api(settings, partial(run_services, settings))
+
+
+@asynccontextmanager
+async def run_services(settings: Settings) -> AsyncIterator[Services]:
+    """Start all that runs behind the interface, and end it in order."""
+    database, photos = await asyncio.to_thread(_open_storage, settings)
+    limits = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
+    bench = (settings.sqlalchemy_url, str(settings.photographs_dir))
+    locating = WorkerPool(settings.locate_workers, settings.queue_depth, open_workbench, bench)
+    # A build hands out as many photographs as there are workers; the next one is never refused.
+    building = WorkerPool(settings.build_workers, settings.build_workers, open_workbench, bench)
+    width = BuildLimits(limits, settings.build_workers, settings.detect_timeout_s, settings.adjust_timeout_s)
+    runner = BuildRunner(database, MapBuilder(database, building, width))
+    try:
+        await asyncio.gather(asyncio.to_thread(locating.start), asyncio.to_thread(building.start))
+        await runner.start()
+        yield Services(
+            database=database,
+            intake=PhotoIntake(database, photos, limits),
+            builds=runner,
+            locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s)),
+            readiness=Readiness(database, settings.photographs_dir, {"locate": locating, "build": building}),
+        )
+    finally:
+        await runner.close()
+        await asyncio.gather(asyncio.to_thread(locating.close), asyncio.to_thread(building.close))
+        database.close()
+
+
+def _open_storage(settings: Settings) -> tuple[Database, PhotoStore]:
+    """Database and photographs; the embedded database is brought to the present tables."""
+    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    photos = PhotoStore(settings.photographs_dir)
+    photos.sweep()
+    database = Database(settings.sqlalchemy_url)
+    if settings.embedded:
+        upgrade(database)
+    return database, photos

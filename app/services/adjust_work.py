@@ -1,0 +1,130 @@
+"""What a worker process does for one build: gather the detections, adjust the survey, publish the map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from sqlalchemy.orm import Session
+
+from app.errors import Cancelled
+from app.geometry.control import ControlPoint
+from app.geometry.observations import Detection
+from app.photogrammetry.survey import PlateSpec, SurveyOptions, SurveyPhoto, SurveyResult, adjust_survey
+from app.services.build_options import BuildOptions
+from app.services.detect_work import DetectSettings
+from app.services.job_progress import JobProgress
+from app.services.workbench import workbench
+from app.storage.database import Database
+from app.storage.jobs import Job, JobRepository
+from app.storage.records import NewCamera, Origin, PhotoResult, Publication, Site, Survey
+from app.storage.sites import SiteRepository
+from app.storage.surveys import DetectionRepository, SurveyRepository
+from app.storage.target_maps import TargetMapRepository
+
+
+@dataclass(frozen=True)
+class Unreadable:
+    """A photograph that the detector could not use, and why."""
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class AdjustTask:
+    """The build whose detections are complete."""
+
+    job_id: str
+    unreadable: tuple[Unreadable, ...]
+
+
+@dataclass(frozen=True)
+class _Material:
+    """All that the adjustment takes."""
+
+    job: Job
+    options: BuildOptions
+    site: Site
+    survey: Survey
+    photos: tuple[SurveyPhoto, ...]
+    control: tuple[ControlPoint, ...]
+
+
+def adjust_and_publish(task: AdjustTask) -> int:
+    """Adjust a build's survey and publish its map; the version's number.
+
+    Raises
+    ------
+    Cancelled
+        When the job was cancelled; nothing is published.
+    SurveyFailed, InvalidControlPoints
+        As ``adjust_survey``.
+    """
+    database = workbench().database
+    with database.reading() as session:
+        material = _gather(session, task)
+    plate = PlateSpec(material.site.code_family, material.site.plate_u_m)
+    progress = JobProgress(database, task.job_id)
+    result = adjust_survey(material.photos, material.control, plate, SurveyOptions(), progress.report)
+    return _publish(database, material, _publication(material, result, task.unreadable))
+
+
+def _gather(session: Session, task: AdjustTask) -> _Material:
+    job = JobRepository(session).get(task.job_id)
+    options = BuildOptions.from_json(job.options)
+    site = SiteRepository(session).get(job.site_id)
+    control = options.exclude.points_left(SiteRepository(session).control_points(job.site_id))
+    surveys, detections = SurveyRepository(session), DetectionRepository(session)
+    settings = DetectSettings(site.code_family, options.strictness)
+    left_out = {*options.exclude.images, *(photo.name for photo in task.unreadable)}
+    photos = []
+    for photo in surveys.photos(job.survey_id):
+        detection = detections.get(settings.key(photo.sha256))
+        if photo.name not in left_out and detection is not None:
+            photos.append(SurveyPhoto(photo.name, photo.identity, _without(detection, options.exclude.codes)))
+    return _Material(job, options, site, surveys.get(job.survey_id), tuple(photos), control)
+
+
+def _without(detection: Detection, codes: tuple[int, ...]) -> Detection:
+    return replace(detection, targets=tuple(target for target in detection.targets if target.code not in codes))
+
+
+def _publication(material: _Material, result: SurveyResult, unreadable: tuple[Unreadable, ...]) -> Publication:
+    device_id = material.survey.device_id
+    origin = Origin(material.survey.survey_id, material.job.job_id, material.options.base_version)
+    cameras = tuple(NewCamera(camera.identity, camera.calibrated, device_id) for camera in result.cameras)
+    return Publication(result.target_map, origin, cameras, _photo_results(result, unreadable), result.report.to_json())
+
+
+def _photo_results(result: SurveyResult, unreadable: tuple[Unreadable, ...]) -> tuple[PhotoResult, ...]:
+    adjusted = [
+        PhotoResult(
+            name=photo.name,
+            camera_key=photo.camera_key,
+            site_from_cam=photo.site_from_cam,
+            covariance=photo.covariance,
+            rms_px=photo.rms_px,
+            target_count=photo.target_count,
+        )
+        for photo in result.photos
+    ]
+    unoriented = [PhotoResult(name=name, reason=reason) for name, reason in result.unoriented]
+    return (*adjusted, *unoriented, *(PhotoResult(name=photo.name, reason=photo.reason) for photo in unreadable))
+
+
+def _publish(database: Database, material: _Material, publication: Publication) -> int:
+    """Map, activation and the job's success in one transaction: a job that was cancelled publishes nothing."""
+    job, site_id = material.job, material.site.site_id
+    with database.writing() as session:
+        maps = TargetMapRepository(session)
+        version = maps.publish(site_id, publication)
+        if material.options.activate:
+            maps.activate(site_id, version)
+        counts = {
+            "targets": len(publication.target_map.targets),
+            "photographs": len(publication.photos),
+            "unoriented": sum(photo.site_from_cam is None for photo in publication.photos),
+        }
+        if not JobRepository(session).succeed(job.job_id, {"map_version": version, **counts}):
+            raise Cancelled("the job was cancelled", job_id=job.job_id)
+    return version

@@ -1,0 +1,80 @@
+"""A build is asked for: everything that can be seen to be wrong is said at once, the rest becomes a job."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from sqlalchemy.orm import Session
+
+from app.errors import Conflict, InvalidInput
+from app.services.build_options import BuildOptions, Exclusion
+from app.services.control_points import check_datum
+from app.services.ports import BuildQueue
+from app.storage.database import Database
+from app.storage.jobs import Job, JobRepository
+from app.storage.records import Survey
+from app.storage.sites import SiteRepository
+from app.storage.surveys import SurveyRepository
+from app.storage.target_maps import TargetMapRepository
+from app.targets.family import family_by_name
+
+BUILD = "build"  # the kind of job
+LEAST_PHOTOS = 2  # a target's place takes rays from several photographs
+
+
+def request_build(database: Database, queue: BuildQueue, survey_id: str, options: BuildOptions) -> Job:
+    """Put a build of a survey in the queue.
+
+    Raises
+    ------
+    NotFound
+        When the survey or the base version does not exist.
+    Conflict
+        When the survey has too few photographs.
+    InvalidInput
+        When something is excluded that is not there, or too few control points are left.
+    """
+    with database.writing() as session:
+        survey = SurveyRepository(session).get(survey_id)
+        _check_photos(session, survey, options.exclude)
+        _check_site(session, survey, options)
+        job = JobRepository(session).add(BUILD, survey.site_id, survey_id, options.to_json())
+    queue.wake()
+    return job
+
+
+def _check_photos(session: Session, survey: Survey, exclude: Exclusion) -> None:
+    names = {photo.name for photo in SurveyRepository(session).photos(survey.survey_id)}
+    _check_known("images", exclude.images, names)
+    left = len(names.difference(exclude.images))
+    if left < LEAST_PHOTOS:
+        raise Conflict(
+            f"the survey has {left} photographs to build from and needs {LEAST_PHOTOS} at least; "
+            f"PUT /surveys/{survey.survey_id}/images/{{filename}} adds one",
+            survey_id=survey.survey_id,
+            photographs=left,
+        )
+
+
+def _check_site(session: Session, survey: Survey, options: BuildOptions) -> None:
+    sites = SiteRepository(session)
+    family = family_by_name(sites.get(survey.site_id).code_family)
+    unknown_codes = [code for code in options.exclude.codes if not family.contains(code)]
+    if unknown_codes:
+        raise InvalidInput(f"exclude.codes: {unknown_codes} are no codes of family {family.name}", codes=unknown_codes)
+    points = sites.control_points(survey.site_id)
+    _check_known("control_points", options.exclude.control_points, {point.name for point in points})
+    if options.base_version is None:
+        check_datum(options.exclude.points_left(points))
+    else:
+        TargetMapRepository(session).version(survey.site_id, options.base_version)
+
+
+def _check_known(field: str, names: Iterable[str], known: set[str]) -> None:
+    unknown = sorted(set(names) - known)
+    if unknown:
+        raise InvalidInput(
+            f"exclude.{field}: there is no {', '.join(unknown[:5])}; write the names as they were given",
+            field=f"exclude.{field}",
+            unknown=unknown,
+        )

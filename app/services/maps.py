@@ -1,0 +1,159 @@
+"""Published maps as their users see them: the targets in four formats, the report, the versions."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from sqlalchemy.orm import Session
+
+from app.errors import Conflict
+from app.geometry.target_map import Datum, MappedTarget, TargetMap
+from app.services.geodesy import geodetic
+from app.storage.records import MapVersion, Site
+from app.storage.sites import SiteRepository
+from app.storage.target_maps import TargetMapRepository
+from app.targets.layout import BASE_CELLS, CELLS_PER_SIDE, DOT_COUNT
+
+METRES_DIGITS = 6  # micrometres
+RED, GREY = "200 28 36", "238 238 232"  # print colours of targets.md: base dots, and one for all others
+DOT_COLUMNS = [
+    f"r{cell // CELLS_PER_SIDE}c{cell % CELLS_PER_SIDE}_{axis}_m" for cell in range(DOT_COUNT) for axis in "xyz"
+]
+POSE_COLUMNS = ["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "sigma_x_m", "sigma_y_m", "sigma_z_m"]
+CSV_COLUMNS = ["code", *POSE_COLUMNS, "rays", "rms_px", *DOT_COLUMNS]
+
+
+@dataclass(frozen=True)
+class PublishedMap:
+    """A version of a site's target map."""
+
+    site: Site
+    version: int
+    target_map: TargetMap
+
+
+def published_map(session: Session, site_id: str, version: int | None) -> PublishedMap:
+    """A version of a site's map, the active one when none is named.
+
+    Raises
+    ------
+    NotFound
+        When the site or the version does not exist.
+    Conflict
+        When none is named and the site has no map.
+    """
+    maps = TargetMapRepository(session)
+    found = maps.version(site_id, version).version
+    return PublishedMap(SiteRepository(session).get(site_id), found, maps.load(site_id, found))
+
+
+def activate_map(session: Session, site_id: str, version: int) -> MapVersion:
+    """Make a version the one that snapshots are located in.
+
+    Raises
+    ------
+    NotFound
+    """
+    maps = TargetMapRepository(session)
+    maps.activate(site_id, version)
+    session.flush()
+    return maps.version(site_id, version)
+
+
+def adjustment_report(session: Session, site_id: str, version: int | None) -> dict[str, Any]:
+    """The report of a version's adjustment, with the photographs that never reached it.
+
+    Raises
+    ------
+    NotFound, Conflict
+        As ``published_map``.
+    """
+    maps = TargetMapRepository(session)
+    found = maps.version(site_id, version)
+    unoriented = [
+        {"name": photo.name, "reason": photo.reason}
+        for photo in maps.photos(site_id, found.version)
+        if photo.site_from_cam is None
+    ]
+    report = maps.report(site_id, found.version)
+    return {"site_id": site_id, "map_version": found.version, **report, "photographs_left_out": unoriented}
+
+
+def position_sigma_m(target: MappedTarget, datum: Datum) -> npt.NDArray[np.float64]:
+    """Standard deviations of a target's position in the site frame, shape (3,): its own part and the datum's."""
+    shared = datum.pose_covariance(target.site_from_target.position_m)
+    return np.asarray(np.sqrt(np.diag(target.covariance + shared)[:3]))
+
+
+def csv_of_map(published: PublishedMap) -> str:
+    """One line per target."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(CSV_COLUMNS)
+    for target in published.target_map.targets:
+        pose = target.site_from_target
+        sigma_m = position_sigma_m(target, published.target_map.datum)
+        numbers = [*pose.position_m, *pose.orientation_xyzw, *sigma_m]
+        dots_m = [round(float(value), METRES_DIGITS) for value in target.dots_m.ravel()]
+        rounded = [round(float(value), METRES_DIGITS) for value in numbers]
+        writer.writerow([target.code, *rounded, target.rays, round(target.rms_px, METRES_DIGITS), *dots_m])
+    return text.getvalue()
+
+
+def ply_of_map(published: PublishedMap) -> str:
+    """One coloured vertex per dot (ASCII PLY 1.0), with its target's code and its cell."""
+    lines = [
+        f"{x:.6f} {y:.6f} {z:.6f} {RED if cell in BASE_CELLS else GREY} {target.code} {cell}"
+        for target in published.target_map.targets
+        for cell, (x, y, z) in enumerate(target.dots_m)
+    ]
+    header = [
+        "ply",
+        "format ascii 1.0",
+        f"comment site {published.site.site_id} map version {published.version}, metres",
+        f"element vertex {len(lines)}",
+        *(f"property double {axis}" for axis in "xyz"),
+        *(f"property uchar {colour}" for colour in ("red", "green", "blue")),
+        "property int code",
+        "property uchar cell",
+        "end_header",
+    ]
+    return "\n".join([*header, *lines]) + "\n"
+
+
+def geojson_of_map(published: PublishedMap) -> str:
+    """One point per target (RFC 7946).
+
+    Raises
+    ------
+    Conflict
+        When the site is not tied to the Earth.
+    """
+    anchor = published.site.geo_anchor
+    if anchor is None:
+        raise Conflict(
+            "the site has no geo-anchor, so its targets have no latitude; PATCH the site with geo_anchor "
+            "{latitude_deg, longitude_deg, height_m, azimuth_deg} first, or ask for json, csv or ply",
+            site_id=published.site.site_id,
+        )
+    features = []
+    for target in published.target_map.targets:
+        position_m = target.site_from_target.position_m
+        sigma_m = position_sigma_m(target, published.target_map.datum)
+        properties = {
+            "code": target.code,
+            "position_m": position_m.tolist(),
+            "sigma_m": sigma_m.tolist(),
+            "rays": target.rays,
+            "rms_px": target.rms_px,
+        }
+        point = {"type": "Point", "coordinates": geodetic(position_m, anchor).tolist()}
+        features.append({"type": "Feature", "id": target.code, "geometry": point, "properties": properties})
+    members = {"site_id": published.site.site_id, "map_version": published.version}
+    return json.dumps({"type": "FeatureCollection", **members, "features": features})

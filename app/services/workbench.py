@@ -1,0 +1,54 @@
+"""What a worker process holds from one piece of work to the next: connections, photographs and target maps."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from pathlib import Path
+
+from app.geometry.target_map import TargetMap
+from app.storage.database import Database
+from app.storage.photo_store import PhotoStore
+from app.storage.target_maps import TargetMapRepository
+
+MAPS_HELD = 16  # a map of 400 targets takes about 1 MB
+
+
+class Workbench:
+    """Database, photo store and the target maps used last.
+
+    Map versions never change, so one that is held is right for ever; a newly activated version is simply another one.
+    """
+
+    def __init__(self, database: Database, photos: PhotoStore) -> None:
+        self.database = database
+        self.photos = photos
+        self._maps: OrderedDict[tuple[str, int], TargetMap] = OrderedDict()
+
+    def target_map(self, site_id: str, version: int) -> TargetMap:
+        """A version of a site's map, read from the database when first needed."""
+        key = site_id, version
+        if key not in self._maps:
+            with self.database.reading() as session:
+                self._maps[key] = TargetMapRepository(session).load(site_id, version)
+        self._maps.move_to_end(key)
+        while len(self._maps) > MAPS_HELD:
+            self._maps.popitem(last=False)
+        return self._maps[key]
+
+
+class _Process:
+    """The one workbench of this process."""
+
+    workbench: Workbench | None = None
+
+
+def open_workbench(database_url: str, photographs_dir: str) -> None:
+    """Set up this process; a worker's initializer calls it once."""
+    _Process.workbench = Workbench(Database(database_url), PhotoStore(Path(photographs_dir)))
+
+
+def workbench() -> Workbench:
+    """The workbench of this process."""
+    if _Process.workbench is None:
+        raise RuntimeError("open_workbench was not called in this process; give it to the pool as initializer")
+    return _Process.workbench

@@ -1,0 +1,105 @@
+"""Deployment values, read once from the environment; tuning constants of algorithms live beside the algorithms."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from app.errors import InvalidInput
+
+PREFIX = "SCATTERMARK_"
+MEBIBYTE = 2**20
+
+
+def _cores() -> int:
+    return max(1, os.cpu_count() or 1)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What differs from one installation to the next. Each field is set by ``SCATTERMARK_<FIELD>``.
+
+    Attributes
+    ----------
+    data_dir : Path
+        Folder of photographs and, by default, of the SQLite database.
+    database_url : str
+        SQLAlchemy URL; empty for ``scattermark.db`` in ``data_dir``.
+    locate_workers, build_workers : int
+        Worker processes for snapshots and for builds; one per core each, as builds are rare.
+    queue_depth : int
+        Snapshots that may wait while all workers are busy; the next one is told to come back.
+    locate_timeout_s, detect_timeout_s, adjust_timeout_s : float
+        Time limits of one snapshot, one survey photograph and one adjustment.
+    max_photo_bytes, max_photo_pixels : int
+        Largest photograph.
+    max_upload_bytes : int
+        Largest request that carries many photographs.
+    max_text_bytes : int
+        Largest request of any other kind (JSON, CSV).
+    """
+
+    data_dir: Path = Path("scattermark-data")
+    database_url: str = ""
+    locate_workers: int = field(default_factory=_cores)
+    build_workers: int = field(default_factory=_cores)
+    queue_depth: int = 8
+    locate_timeout_s: float = 10.0
+    detect_timeout_s: float = 60.0
+    adjust_timeout_s: float = 3600.0
+    max_photo_bytes: int = 64 * MEBIBYTE
+    max_photo_pixels: int = 64_000_000
+    max_upload_bytes: int = 1024 * MEBIBYTE
+    max_text_bytes: int = 8 * MEBIBYTE
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            least = 0 if entry.name == "queue_depth" else 1
+            if isinstance(value, int) and value < least:
+                raise InvalidInput(f"{PREFIX}{entry.name.upper()} must be at least {least}, got {value}")
+            if isinstance(value, float) and not value > 0:
+                raise InvalidInput(f"{PREFIX}{entry.name.upper()} must be positive, got {value}")
+
+    @property
+    def sqlalchemy_url(self) -> str:
+        """Where the database is."""
+        return self.database_url or f"sqlite:///{self.data_dir.resolve() / 'scattermark.db'}"
+
+    @property
+    def embedded(self) -> bool:
+        """Whether the database is the file that this process looks after by itself, migrations included."""
+        return self.sqlalchemy_url.startswith("sqlite")
+
+    @property
+    def photographs_dir(self) -> Path:
+        """Folder of the photographs."""
+        return self.data_dir / "photographs"
+
+
+def settings_from_environment(environment: Mapping[str, str] | None = None) -> Settings:
+    """Settings of ``SCATTERMARK_...`` variables; what is not set keeps its default.
+
+    Raises
+    ------
+    InvalidInput
+        For a value that is no number where one is needed, or out of range.
+    """
+    environment = os.environ if environment is None else environment
+    given: dict[str, Any] = {}
+    for entry in fields(Settings):
+        text = environment.get(PREFIX + entry.name.upper(), "")
+        if text:
+            given[entry.name] = _parsed(entry.name, str(entry.type), text)
+    return Settings(**given)
+
+
+def _parsed(name: str, kind: str, text: str) -> Any:
+    parse = {"Path": Path, "int": int, "float": float, "str": str}[kind]
+    try:
+        return parse(text)
+    except ValueError as error:
+        raise InvalidInput(f"{PREFIX}{name.upper()}={text!r} is no number; set a number or unset it") from error

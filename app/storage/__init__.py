@@ -1,0 +1,1 @@
+"""Domain objects in the database and photographs on disk; rows never leave this folder."""

@@ -1,0 +1,55 @@
+"""Bring a database to the present tables, and say whether it is there."""
+
+from __future__ import annotations
+
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+
+from app.storage.database import Database
+
+
+def migrations_folder() -> Path:
+    """Where the migrations are: inside an installed package, or beside it in a checkout.
+
+    Raises
+    ------
+    FileNotFoundError
+        When the installation is incomplete.
+    """
+    package = files("app")
+    with as_file(package) as package_folder:
+        for folder in (package_folder / "_migrations", package_folder.parent / "migrations"):
+            if (folder / "env.py").is_file():
+                return folder
+    raise FileNotFoundError("the migrations are missing from this installation; install scattermark again")
+
+
+def upgrade(database: Database, revision: str = "head") -> None:
+    """Bring the database up to a revision; nothing happens when it is there."""
+    with database.migrating() as connection:
+        command.upgrade(_config(connection), revision)
+
+
+def downgrade(database: Database, revision: str) -> None:
+    """Take the database back to a revision; ``base`` removes all tables."""
+    with database.migrating() as connection:
+        command.downgrade(_config(connection), revision)
+
+
+def up_to_date(database: Database) -> bool:
+    """Whether the database has the newest tables."""
+    newest = ScriptDirectory(str(migrations_folder())).get_current_head()
+    with database.reading() as session:
+        return MigrationContext.configure(session.connection()).get_current_revision() == newest
+
+
+def _config(connection: object) -> Config:
+    config = Config()
+    config.set_main_option("script_location", str(migrations_folder()).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    return config

@@ -1,0 +1,141 @@
+"""Snapshots as they are kept: where a device was, or why nobody knows, and what was seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from app.geometry.pose import Pose
+
+Array = npt.NDArray[np.float64]
+TimeSource = Literal["client", "server"]
+
+
+@dataclass(frozen=True)
+class Moment:
+    """When a snapshot was taken.
+
+    Attributes
+    ----------
+    captured_s : float
+        UTC, seconds since 1970.
+    source : str
+        ``client``: the client said so; ``server``: it did not, so it is the time of arrival.
+    clock_delay_s : float or None
+        Half the round trip of the client's clock comparison: how far its offset can be wrong.
+    """
+
+    captured_s: float
+    source: TimeSource
+    clock_delay_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Where a snapshot belongs."""
+
+    site_id: str
+    map_version: int
+    moment: Moment
+    received_s: float
+    device_id: str | None = None
+    snapshot_id: str | None = None
+
+
+@dataclass(frozen=True)
+class SeenTarget:
+    """A target of the snapshot: how well it was read and whether its dots carried the pose."""
+
+    code: int
+    corrected: int
+    rms_px: float | None
+    used: bool
+    reason: str | None = None
+
+
+@dataclass(frozen=True)
+class RefusedBlob:
+    """Something in the picture that was looked at and refused."""
+
+    reason: str
+    centre_px: tuple[float, float]
+    code: int | None = None
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a snapshot showed, and how long the work took, stage by stage in ms."""
+
+    targets: tuple[SeenTarget, ...] = ()
+    rejected: tuple[RefusedBlob, ...] = ()
+    timing_ms: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Located:
+    """A pose that was found.
+
+    Attributes
+    ----------
+    site_from_cam : Pose
+    covariance : ndarray of shape (6, 6)
+        Position (m, site axes), small rotation (rad, site axes).
+    """
+
+    site_from_cam: Pose
+    covariance: Array
+    sigma0: float
+    redundancy: int
+    rms_residual_px: float
+    camera_source: str
+    ambiguity_ratio: float | None = None
+
+    @property
+    def position_sigma_m(self) -> Array:
+        """Standard deviations of the position, shape (3,)."""
+        return np.sqrt(np.diag(self.covariance)[:3])
+
+
+@dataclass(frozen=True)
+class NotFoundPose:
+    """Why there is no pose, for programs (``reason``) and for people."""
+
+    reason: str
+    detail: str
+    advice: str
+
+
+@dataclass(frozen=True)
+class NewSnapshot:
+    """A snapshot on its way into the database."""
+
+    heading: Heading
+    outcome: Located | NotFoundPose
+    seen: Seen
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A stored snapshot: a row of its trajectory."""
+
+    pose_id: str
+    trajectory_id: str
+    heading: Heading
+    outcome: Located | NotFoundPose
+    seen: Seen
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Snapshots of one device on one site; a default one collects what names no other."""
+
+    trajectory_id: str
+    site_id: str
+    device_id: str | None
+    name: str
+    default: bool
+    created_s: float
+    closed_s: float | None
