@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
-from concurrent.futures import as_completed
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, add_reading, add_workers, photo_files, positive
-from app.cli.progress import Report, progress
+from app.cli.progress import progress
 from app.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.geometry.control import ControlPoint
-    from app.photogrammetry.survey import SurveyPhoto, SurveyResult
+    from app.photogrammetry.survey import SurveyResult
 
 MM_PER_M = 1000.0
 
@@ -37,6 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Detect each, adjust, write."""
+    from app.cli.detect_file import detect_file
+    from app.cli.in_parallel import in_parallel
     from app.geometry.map_file import MapCamera, MapFile, write_map
     from app.photogrammetry.survey import PlateSpec, adjust_survey
 
@@ -44,7 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     control = read_control(arguments.control, arguments.family) if arguments.control else ()
     paths = photo_files(arguments.photos)
     with progress() as report:
-        photos = detect_all(paths, arguments, report)
+        reading = (arguments.family, arguments.strictness)
+        photos = in_parallel(detect_file, paths, reading, arguments.workers, report)
         survey = adjust_survey(photos, control, plate, progress=report)
     cameras = tuple(MapCamera(camera.identity, camera.calibrated) for camera in survey.cameras)
     write_map(arguments.out, MapFile(survey.target_map, cameras))
@@ -76,33 +77,6 @@ def read_control(path: Path, family_name: str) -> tuple[ControlPoint, ...]:
     points = points_of_records(records_of_csv(text), family_by_name(family_name))
     check_datum(points)
     return points
-
-
-def detect_all(paths: Sequence[Path], arguments: argparse.Namespace, report: Report) -> list[SurveyPhoto]:
-    """Detections of all photographs, in the order of the paths, from a pool of workers.
-
-    Raises
-    ------
-    InvalidInput
-        Naming the first photograph that cannot be read.
-    """
-    from app.cli.detect_file import detect_file
-    from app.jobs.pool import WorkerPool
-    from app.jobs.warm_up import warm_up
-
-    workers = min(arguments.workers, len(paths))
-    report("detecting", 0, len(paths))
-    with WorkerPool(workers, queue_depth=len(paths), initializer=warm_up) as pool:
-        tasks = [pool.submit(detect_file, path, arguments.family, arguments.strictness) for path in paths]
-        try:
-            for done, task in enumerate(as_completed(tasks), start=1):
-                task.result()  # raises now what went wrong with any of them
-                report("detecting", done, len(paths))
-        except BaseException:
-            for task in tasks:
-                task.cancel()
-            raise
-        return [task.result() for task in tasks]
 
 
 def _summary(survey: SurveyResult, path: Path) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from app.cli.progress import progress
 from app.errors import InvalidInput, NotLocated
 
 if TYPE_CHECKING:
+    from app.geometry.camera import CalibratedCamera
     from app.geometry.map_file import MapFile
     from app.photogrammetry.resection import Resection
     from app.services.choose_camera import KnownCameras
@@ -34,10 +35,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Locate each; 1 when one of them was refused."""
+    from app.cli.locate_photo import known_cameras
     from app.geometry.map_file import read_map
 
     content = read_map(arguments.map)
-    known = _known_cameras(content, arguments.camera)
+    known = known_cameras(content, _camera_of_file(arguments.camera) if arguments.camera else None)
     paths = photo_files(arguments.photos)
     records = []
     with progress() as report:
@@ -52,19 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if all("reason" not in record for record in records) else 1
 
 
-def _known_cameras(content: MapFile, camera_path: Path | None) -> KnownCameras:
-    """The survey's cameras, and the one that the user describes."""
-    from app.services.choose_camera import KnownCameras
-    from app.storage.records import StoredCamera
-
-    stored = tuple(
-        StoredCamera(camera.identity.key, camera.identity, camera.calibrated, None, None, None, 0.0)
-        for camera in content.cameras
-    )
-    return KnownCameras(named=_camera_of_file(camera_path) if camera_path else None, stored=stored)
-
-
-def _camera_of_file(path: Path) -> Any:
+def _camera_of_file(path: Path) -> CalibratedCamera:
     import numpy as np
 
     from app.geometry.camera import Camera
@@ -84,18 +74,12 @@ def _camera_of_file(path: Path) -> Any:
 
 
 def _record(path: Path, content: MapFile, known: KnownCameras) -> dict[str, Any]:
+    from app.cli.locate_photo import detect_in_map, resect_in_map
     from app.cli.read_photo import read_photo
-    from app.services.choose_camera import choose_cameras
-    from app.services.locate_work import resect_best
-    from app.targets.family import family_by_name
-    from app.vision.detector import detect
 
     photo = read_photo(path)
-    target_map = content.target_map
-    family = family_by_name(target_map.code_family)
-    detection = detect(photo.bgr, family, known_codes=frozenset(target_map.by_code))
     try:
-        resection, camera = resect_best(detection, target_map, choose_cameras(photo.header, known))
+        resection, camera = resect_in_map(photo, detect_in_map(photo, content), content, known)
     except NotLocated as refusal:
         return {"photo": path.name, "detail": refusal.detail, **refusal.fields}
     return {"photo": path.name, **_pose(resection), "camera_source": camera.source}
