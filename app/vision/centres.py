@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,9 @@ Array = npt.NDArray[np.float64]
 YCC_FROM_BGR = np.array([[0.114, 0.587, 0.299], [0.5, -0.3313, -0.1687], [-0.0813, -0.4187, 0.5]])
 
 
+HOMOGRAPHY_PARAMETERS = 8
+
+
 @dataclass(frozen=True)
 class CentreOptions:
     """When a dot counts as measured.
@@ -29,6 +32,11 @@ class CentreOptions:
         Farthest a dot may be found from where its plate expects it: half its radius; beyond, the linear model ends.
     border_u : float
         What must lie inside the photograph around a dot's centre: the dot itself.
+    unseen_factor : float
+        Variance over what the dots' misfit to their plates shows: compression moves neighbouring dots together, and
+        that part a plate's homography absorbs (``benchmarks/accuracy.py`` prints the normalised errors it leads to).
+    prior_redundancy : float
+        Weight of the template fit's own noise estimate beside the misfits of the photograph's plates.
     covariance_floor_px : float
         Errors that no noise estimate sees (interpolation, chroma siting): 0.01 px.
     """
@@ -36,6 +44,8 @@ class CentreOptions:
     sigma_max_u: float = 0.2
     offset_max_u: float = 0.5
     border_u: float = 1.0
+    unseen_factor: float = 1.6
+    prior_redundancy: float = 20.0
     covariance_floor_px: float = 0.01
 
 
@@ -57,6 +67,10 @@ class DotCentres:
     covariances_px2: Array
     measured: npt.NDArray[np.bool_]
     inside: npt.NDArray[np.bool_]
+
+    def select(self, chosen: npt.NDArray[np.intp]) -> DotCentres:
+        """The dots of some plates."""
+        return DotCentres(*(getattr(self, part.name)[chosen] for part in fields(self)))
 
 
 def locate_dots(
@@ -95,6 +109,34 @@ def refine_homographies(fits: PlateFits, dots: DotCentres) -> Array:
     if enough.any():
         refined[enough] = fit_homographies(PLATE_DOTS_U, dots.centres_px[enough], weights[enough])
     return refined
+
+
+def calibrate_covariances(
+    dots: DotCentres, image_from_plate: Array, trusted: npt.NDArray[np.bool_], options: CentreOptions = CentreOptions()
+) -> DotCentres:
+    """Scale all covariances of a photograph so that they match how its dots scatter about their plates.
+
+    Parameters
+    ----------
+    image_from_plate : ndarray of shape (P, 3, 3)
+        Homographies through the measured dots.
+    trusted : ndarray of shape (P,), bool
+        Plates that count; bent ones and false ones must not.
+    """
+    redundancy = 2.0 * dots.measured.sum(axis=1) - HOMOGRAPHY_PARAMETERS
+    trusted = trusted & (redundancy > 0)
+    factor = 1.0
+    if trusted.any():
+        measured, centres_px = dots.measured[trusted], dots.centres_px[trusted]
+        residual_px = centres_px - apply_homographies(image_from_plate[trusted], PLATE_DOTS_U)
+        precision = np.linalg.inv(dots.covariances_px2[trusted])
+        squares = np.einsum("pdi,pdij,pdj->pd", residual_px, precision, residual_px)
+        variances = np.where(measured, squares, 0.0).sum(axis=1) / redundancy[trusted]
+        # The median keeps a bent plate from speaking for all.
+        weight = redundancy[trusted].sum()
+        total = weight + options.prior_redundancy
+        factor = float((weight * np.median(variances) + options.prior_redundancy) / total)
+    return replace(dots, covariances_px2=dots.covariances_px2 * factor * options.unseen_factor)
 
 
 def _inside(image_from_plate: Array, size_px: tuple[int, int], border_u: float) -> npt.NDArray[np.bool_]:

@@ -15,21 +15,31 @@ import numpy.typing as npt
 from app.geometry.observations import Detection, Rejected, TargetObservation
 from app.targets.family import UNDECODABLE, CodeFamily
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
-from app.vision.centres import CentreOptions, DotCentres, locate_dots, refine_homographies
+from app.vision.centres import (
+    CentreOptions,
+    DotCentres,
+    calibrate_covariances,
+    locate_dots,
+    refine_homographies,
+)
 from app.vision.dots import Blobs, DotOptions, find_red_blobs
 from app.vision.grouping import GroupingOptions, group_base_dots
+from app.vision.hidden_dots import HiddenDotOptions, complete_groups
 from app.vision.homography import image_from_corner_dots
 from app.vision.inks import HIDDEN_DIGIT, InkOptions, InkReading, read_inks
 from app.vision.judgement import (
+    COLOUR_REASONS,
     REASON_TEXT,
     Judgement,
     JudgementOptions,
     Strictness,
     judge_plates,
+    lacks_red,
     misfit_px,
+    missing_in_plain_view,
     one_dot_one_target,
 )
-from app.vision.measurement import PlateFits, Pyramid, fit_plates, local_px_per_u
+from app.vision.measurement import PlateFits, Pyramid, cell_residuals, fit_plates
 from app.vision.proposals import ProposalOptions, promising
 from app.vision.template import PatchGrid
 
@@ -58,18 +68,22 @@ class DetectorOptions:
         Plates that the choice is made on.
     finest_px_per_u : float
         Larger plates are measured at a halved size: their samples then stand 1-2 px apart.
+    report_explained_min : float
+        Groups that fail on colour are reported only if the plate's model explains this much of them: half.
     confidence_min : float
         A digit nearer than this to the border between two inks is taken as hidden (1 is a typical distance).
     """
 
     strictness: Strictness = "normal"
     blur_px: float = 0.7
-    blurs_px: tuple[float, ...] = (0.4, 0.6, 0.9, 1.4, 2.0)
-    blur_plates: int = 6
+    blurs_px: tuple[float, ...] = (0.45, 0.7, 1.1, 1.7, 2.6)
+    blur_plates: int = 8
     finest_px_per_u: float = 4.5
+    report_explained_min: float = 0.5
     confidence_min: float = 0.35
     dots: DotOptions = field(default_factory=DotOptions)
     grouping: GroupingOptions = field(default_factory=GroupingOptions)
+    hidden_dots: HiddenDotOptions = field(default_factory=HiddenDotOptions)
     proposals: ProposalOptions = field(default_factory=ProposalOptions)
     centres: CentreOptions = field(default_factory=CentreOptions)
     inks: InkOptions = field(default_factory=InkOptions)
@@ -113,6 +127,9 @@ def detect(
     height_px, width_px = bgr.shape[:2]
     blobs = find_red_blobs(bgr, options.dots)
     groups = promising(bgr, blobs, group_base_dots(blobs, options.grouping), options.proposals)
+    free = np.setdiff1d(np.arange(len(blobs)), groups)
+    blobs, completed = complete_groups(blobs, free, options.hidden_dots)
+    groups = np.concatenate([groups, promising(bgr, blobs, completed, options.proposals)])
     if not len(groups):
         return Detection(width_px, height_px, ())
     plates = _measure(bgr, blobs, groups, options)
@@ -122,19 +139,43 @@ def detect(
 
 def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> _Plates:
     """Fit all candidates, keep those that share no dot with a better one, fit them again from the refined places."""
+    # At first sight single pixels of the full photograph tell colours and places well enough.
+    full = Pyramid.of(bgr, 1)
     rough = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
-    largest = float(local_px_per_u(rough).max())
-    halvings = np.ceil(np.log2(max(largest / options.finest_px_per_u, 1.0)))
-    pyramid = Pyramid.of(bgr, 1 + int(halvings))
-    first, inks = _fit(pyramid, rough, np.full(len(rough), options.blur_px), PatchGrid.ROUGH, options)
+    first, inks = _fit(full, rough, np.full(len(rough), options.blur_px), PatchGrid.ROUGH, options)
     best = one_dot_one_target(groups, first.explained())
     first, inks = first.select(best), inks.select(best)
-    refined = refine_homographies(first, locate_dots(first, inks, pyramid.size_px, options.centres))
-    blur_px = np.full(len(refined), _choose_blur(pyramid, refined, options))
+    refined = refine_homographies(first, locate_dots(first, inks, full.size_px, options.centres))
+    blur_px = np.full(len(refined), _choose_blur(full, refined, options))
+    pyramid = _pyramid(bgr, first, options)
     fits, inks = _fit(pyramid, refined, blur_px, PatchGrid.FINE, options)
-    dots = locate_dots(fits, inks, pyramid.size_px, options.centres)
+    dots = locate_dots(fits, inks, full.size_px, options.centres)
     refined = refine_homographies(fits, dots)
-    return _Plates(fits, dots, inks, refined, judge_plates(fits, dots, inks, refined, options.judgement))
+    judgement = judge_plates(fits, dots, inks, refined, options.judgement)
+    judgement = _refuse_missing(pyramid, fits, dots, judgement, options)
+    dots = calibrate_covariances(dots, refined, judgement.stands, options.centres)
+    return _Plates(fits, dots, inks, refined, judgement)
+
+
+def _refuse_missing(
+    pyramid: Pyramid, fits: PlateFits, dots: DotCentres, judgement: Judgement, options: DetectorOptions
+) -> Judgement:
+    """A hidden base dot is forgiven, a missing one is not: look again at the plates that lack one."""
+    suspects = np.flatnonzero(judgement.stands & lacks_red(fits, options.judgement).any(axis=1))
+    if not len(suspects):
+        return judgement
+    few = fits.select(suspects)
+    blur_px = np.full(len(suspects), options.blur_px)
+    residuals = cell_residuals(pyramid, few, blur_px, options.finest_px_per_u)
+    missing = missing_in_plain_view(few, dots.select(suspects), residuals, options.judgement)
+    return judgement.refuse(suspects[missing], "base-dot-missing")
+
+
+def _pyramid(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Pyramid:
+    """As many halvings as the largest plate needs; what does not look like a plate needs none."""
+    likely = first.explained() > options.judgement.explained_min
+    largest = float(first.px_per_u[likely].max(initial=options.finest_px_per_u))
+    return Pyramid.of(bgr, 1 + int(np.ceil(np.log2(largest / options.finest_px_per_u))))
 
 
 def _fit(
@@ -173,7 +214,8 @@ def _read(
         if not reason and code in targets:
             reason = "duplicate-code"
         if reason:
-            rejected.append(_rejected(plates, plate, reason, code))
+            if reason not in COLOUR_REASONS or plates.fits.explained()[plate] > options.report_explained_min:
+                rejected.append(_rejected(plates, plate, reason, code))
             continue
         targets[code] = TargetObservation(
             code=code,

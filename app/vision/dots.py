@@ -44,6 +44,8 @@ class DotOptions:
         1 to 2 radii.
     contour_points_min, contour_points_max : int
         Length of a blob's outline, px. The least is a dot of 2 px by 4 px; the greatest one of 250 px.
+    blobs_max : int
+        The strongest are kept: 6,000 make 1,200 targets, and bound the time that a hostile picture can take.
     axis_ratio_max : float
         Longest over shortest axis: a circle seen at 75 degrees has 3.9; small blobs scatter.
     """
@@ -61,6 +63,7 @@ class DotOptions:
     ring_fraction: float = 0.35
     contour_points_min: int = 7
     contour_points_max: int = 800
+    blobs_max: int = 6000
     axis_ratio_max: float = 6.0
 
 
@@ -93,8 +96,10 @@ def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
         return Blobs(np.empty((0, 2)), np.empty((0, 2)))
     centres_px, semi_axes_px = _ellipses(outlines)
     keep = semi_axes_px[:, 0] <= options.axis_ratio_max * semi_axes_px[:, 1]
-    keep &= _stands_alone(excess, centres_px, semi_axes_px, options)
-    return Blobs(centres_px[keep], semi_axes_px[keep])
+    contrast = _ring_contrast(excess, centres_px, semi_axes_px, options)
+    kept = np.flatnonzero(keep & (contrast > 0))
+    strongest = kept[np.argsort(-contrast[kept], kind="stable")[: options.blobs_max]]
+    return Blobs(centres_px[strongest], semi_axes_px[strongest])
 
 
 def _red_excess(bgr: Pixels, options: DotOptions) -> Pixels:
@@ -106,22 +111,34 @@ def _red_excess(bgr: Pixels, options: DotOptions) -> Pixels:
 
 
 def _upper_half(excess: Pixels, options: DotOptions) -> Pixels:
-    """255 where a pixel belongs to the upper half of its own peak, shape (H, W)."""
+    """1 where a pixel belongs to the upper half of its own peak, shape (H, W)."""
     window = np.ones((options.peak_window_px, options.peak_window_px), dtype=np.uint8)
-    edge = cv2.convertScaleAbs(cv2.dilate(excess, window), alpha=options.peak_fraction)
-    mask = cv2.compare(excess, cv2.max(edge, float(options.red_floor)), cv2.CMP_GT)  # type: ignore[call-overload]
-    return np.asarray(mask, dtype=np.uint8)
+    peak = np.asarray(cv2.dilate(excess, window), dtype=np.uint8)
+    edge = np.asarray(cv2.convertScaleAbs(peak, alpha=options.peak_fraction), dtype=np.uint8)
+    return (excess > np.maximum(edge, options.red_floor)).view(np.uint8)
 
 
-def _stands_alone(excess: Pixels, centres_px: Array, semi_axes_px: Array, options: DotOptions) -> npt.NDArray[np.bool_]:
-    """Whether the red ends around a blob, as it does on a plate's black; grains of a brownish surface do not."""
+def _ring_contrast(excess: Pixels, centres_px: Array, semi_axes_px: Array, options: DotOptions) -> Array:
+    """By how much the red ends around each blob, shape (N,), grey values; not positive where it hardly does.
+
+    It ends on a plate's black; the grains of a brownish surface stand on more of the same.
+    """
     angle = np.linspace(0.0, 2.0 * np.pi, options.ring_points, endpoint=False)
     circle = np.vstack([np.zeros((1, 2)), np.stack([np.cos(angle), np.sin(angle)], axis=1)])
     points_px = centres_px[:, None] + options.ring_axes * semi_axes_px[:, None, :1] * circle
-    values = cv2.remap(excess, points_px.astype(np.float32), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    around = np.median(values[:, 1:], axis=1)
-    result: npt.NDArray[np.bool_] = around < options.ring_fraction * values[:, 0]
+    values = sample_rows(excess, points_px)
+    result: Array = options.ring_fraction * values[:, 0] - np.median(values[:, 1:], axis=1)
     return result
+
+
+def sample_rows(pixels: Pixels, points_px: Array) -> Array:
+    """Bilinear samples, shape (N, M) or (N, M, channels), at points of shape (N, M, 2), in blocks OpenCV can take."""
+    rows_max = 30_000
+    blocks = [
+        cv2.remap(pixels, block, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        for block in np.array_split(points_px.astype(np.float32), 1 + len(points_px) // rows_max)
+    ]
+    return np.concatenate(blocks).astype(np.float64)
 
 
 def _red_gain(bgr: Pixels, options: DotOptions) -> float:

@@ -73,12 +73,12 @@ class _Triples:
 
 def group_base_dots(blobs: Blobs, options: GroupingOptions = GroupingOptions()) -> Indices:
     """Candidates A, B, C, D, E as blob indices, shape (G, 5); a blob may stand in several."""
-    nearest, alike = _neighbours(blobs, options)
+    nearest, alike = neighbours_of_like_size(blobs, options)
     triples = _diagonals(blobs, nearest, alike, options)
     return _with_other_diagonal(blobs, nearest, alike, triples, options)
 
 
-def _neighbours(blobs: Blobs, options: GroupingOptions) -> tuple[Indices, npt.NDArray[np.bool_]]:
+def neighbours_of_like_size(blobs: Blobs, options: GroupingOptions) -> tuple[Indices, npt.NDArray[np.bool_]]:
     """The nearest blobs of like size of each blob, shape (N, K), and which of these slots are filled.
 
     Sizes are searched apart, so that specks between the dots of a large plate do not use up its neighbours.

@@ -61,7 +61,10 @@ def fit_homographies(plate_u: Array, image_px: Array, weights: Array) -> Array:
     rows_v = np.stack([zero, zero, zero, x, y, one, -v * x, -v * y], axis=-1)
     design, observed = np.concatenate([rows_u, rows_v], axis=1), np.concatenate([u, v], axis=1)
     weighted = design.transpose(0, 2, 1) * np.concatenate([weights, weights], axis=1)[:, None]
-    elements = np.linalg.solve(weighted @ design, weighted @ observed[..., None])[..., 0]
+    normals = weighted @ design
+    # Points in line leave the plate's other direction open: a trace of a ridge keeps it finite, and the plate unlikely.
+    ridge = 1e-12 * np.einsum("pii->p", normals)[:, None, None] * np.eye(8)
+    elements = np.linalg.solve(normals + ridge, weighted @ observed[..., None])[..., 0]
     image_from_plate = np.concatenate([elements, np.ones((len(elements), 1))], axis=1).reshape(-1, 3, 3)
     # Undo the shift to the centroid.
     image_from_plate[:, :2] += centroid_px[:, :, None] * image_from_plate[:, 2:]

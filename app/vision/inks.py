@@ -23,6 +23,16 @@ BLUE, GREEN, RED = 0, 1, 2
 BLACK_DIGIT, GREEN_DIGIT, WHITE_DIGIT, HIDDEN_DIGIT = 0, 1, 2, -1
 
 
+def level_from_base() -> Array:
+    """Matrix, shape (16, 5), that extends five values at the base dots to all dots by their plane."""
+    plane = np.column_stack([np.ones(len(PLATE_DOTS_U)), PLATE_DOTS_U / CORNER_DOT_U])
+    result: Array = plane @ np.linalg.pinv(plane[BASE])
+    return result
+
+
+LEVEL_FROM_BASE = level_from_base()
+
+
 @dataclass(frozen=True)
 class InkOptions:
     """Where the inks part, in units of the plate's red amplitude.
@@ -99,8 +109,7 @@ def read_inks(amplitudes: Array, options: InkOptions = InkOptions()) -> InkReadi
 
 def _red_level(base_red: Array) -> Array:
     """Red amplitude over the plate, shape (P, 16): a plane through the five base dots, kept within their range."""
-    plane = np.column_stack([np.ones(len(PLATE_DOTS_U)), PLATE_DOTS_U / CORNER_DOT_U])
-    level = base_red @ np.linalg.pinv(plane[BASE]).T @ plane.T
+    level = base_red @ LEVEL_FROM_BASE.T
     least, most = base_red.min(axis=1, keepdims=True), base_red.max(axis=1, keepdims=True)
     result: Array = np.maximum(np.clip(level, least, most), 1.0)  # 1 grey value: plates without red are refused anyway
     return result

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import BASE_CELLS
-from app.vision.centres import DotCentres
+from app.vision.centres import HOMOGRAPHY_PARAMETERS, DotCentres
 from app.vision.homography import PLATE_DOTS_U, apply_homographies
 from app.vision.inks import RED, InkReading
 from app.vision.measurement import PlateFits
@@ -43,6 +43,8 @@ class JudgementOptions:
         Root mean square of the dots about the plate's homography: a tenth of a radius on flat plates.
     misfit_noise_px : float
         What noise adds to that on small plates.
+    covered_residual : float
+        A cell is covered when it leaves this multiple of the plate's median cell unexplained; plain cells reach 2.4.
     base_dots_min, dots_min : int
         Measured base dots, and measured dots in all.
     max_corrections : dict of int by strictness
@@ -57,6 +59,7 @@ class JudgementOptions:
     explained_min: float = 0.7
     misfit_max_u: float = 0.15
     misfit_noise_px: float = 0.25
+    covered_residual: float = 3.0
     base_dots_min: int = 4
     dots_min: int = 6
 
@@ -85,13 +88,19 @@ class Judgement:
         """Which plates have no reason against them, shape (P,)."""
         return np.array([not reason for reason in self.reasons], dtype=np.bool_)
 
+    def refuse(self, plates: npt.NDArray[np.intp], reason: str) -> Judgement:
+        """The same judgement with a reason against some plates."""
+        refused = {int(plate) for plate in plates}
+        reasons = tuple(reason if plate in refused else before for plate, before in enumerate(self.reasons))
+        return Judgement(reasons, self.rms_px)
+
 
 REASON_TEXT = {
-    "weak-red": "a base dot is hardly brighter than the plate: too dark, or no dot",
-    "not-red": "a base dot is not red",
+    "not-red": "base dots are not red, or hardly brighter than the plate",
     "uneven-red": "the base dots differ in brightness",
     "bright-background": "there is no black between the dots",
     "not-a-plate": "the picture does not look like a plate",
+    "base-dot-missing": "a base dot is missing where the plate is in plain view: wrong structure",
     "wrong-layout": "the dots do not lie on the plate's grid: wrong structure, or bent paper",
     "too-few-dots": "too few dots could be measured",
     "outside-photo": "a base dot lies outside the photograph",
@@ -99,6 +108,9 @@ REASON_TEXT = {
     "code-not-in-family": "the dots were read, but their code is not in the site's family",
     "duplicate-code": "the same code was read better elsewhere in this photograph",
 }
+
+# A group that fails one of these was hardly a plate at all.
+COLOUR_REASONS = ("not-red", "uneven-red", "bright-background", "not-a-plate")
 
 
 def judge_plates(
@@ -113,21 +125,17 @@ def judge_plates(
     """
     rms_px = misfit_px(dots, refined)
     base = fits.amplitudes[:, BASE]
-    red = base[..., RED]
-    mean_red = np.maximum(red.mean(axis=1), 1.0)
-    uneven = np.abs(red - inks.red_level[:, BASE]).max(axis=1) / mean_red
-    weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms[:, RED])
-    off_red = base[..., :RED].max(axis=2) / np.maximum(red, 1.0)
+    mean_red = np.maximum(np.median(base[..., RED], axis=1), 1.0)
+    uneven = np.sort(np.abs(base[..., RED] - inks.red_level[:, BASE]), axis=1)[:, options.base_dots_min - 1]
     allowed_px = np.hypot(options.misfit_max_u * fits.px_per_u, options.misfit_noise_px)
+    measured_base = dots.measured[:, BASE].sum(axis=1)
     failed = {
         "outside-photo": dots.inside[:, BASE].sum(axis=1) < options.base_dots_min,
-        "weak-red": np.sort(red, axis=1)[:, 5 - options.base_dots_min] < weak,
-        "not-red": np.sort(off_red, axis=1)[:, options.base_dots_min - 1] > options.off_red_max,
-        "uneven-red": uneven > options.uneven_max,
+        "not-red": (~lacks_red(fits, options)).sum(axis=1) < options.base_dots_min,
+        "uneven-red": uneven > options.uneven_max * mean_red,
         "bright-background": fits.background.max(axis=1) > options.background_max * mean_red,
         "not-a-plate": ~(fits.explained() > options.explained_min),
-        "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min)
-        | (dots.measured[:, BASE].sum(axis=1) < options.base_dots_min),
+        "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min) | (measured_base < options.base_dots_min),
         "wrong-layout": ~(rms_px < allowed_px),
     }
     reasons = [""] * len(rms_px)
@@ -137,12 +145,39 @@ def judge_plates(
     return Judgement(tuple(reasons), rms_px)
 
 
+def missing_in_plain_view(
+    fits: PlateFits, dots: DotCentres, residuals: Array, options: JudgementOptions = JudgementOptions()
+) -> Mask:
+    """Plates that lack a base dot although nothing covers its place, shape (P,).
+
+    Parameters
+    ----------
+    residuals : ndarray of shape (P, 16)
+        What each cell's picture leaves unexplained.
+    """
+    covered = residuals > options.covered_residual * np.median(residuals, axis=1, keepdims=True)
+    lacking = lacks_red(fits, options) & dots.inside[:, BASE] & ~covered[:, BASE]
+    result: Mask = lacking.any(axis=1)
+    return result
+
+
+def lacks_red(fits: PlateFits, options: JudgementOptions = JudgementOptions()) -> Mask:
+    """Which base dots do not show red, shape (P, 5)."""
+    base = fits.amplitudes[:, BASE]
+    red = base[..., RED]
+    weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms[:, RED])
+    faint = options.uneven_max * np.median(red, axis=1, keepdims=True)
+    off_red = base[..., :RED].max(axis=2) > options.off_red_max * np.maximum(red, 1.0)
+    result: Mask = (red < weak[:, None]) | (red < faint) | off_red
+    return result
+
+
 def misfit_px(dots: DotCentres, image_from_plate: Array) -> Array:
     """Root mean square per coordinate of the measured dots about their homographies, shape (P,), px."""
     residual_px = dots.centres_px - apply_homographies(image_from_plate, PLATE_DOTS_U)
     squares = np.where(dots.measured[..., None], residual_px**2, 0.0).sum(axis=(1, 2))
-    # Eight parameters were fitted; a plate with few dots has little left to disagree.
-    redundancy = np.maximum(2 * dots.measured.sum(axis=1) - 8, 1)
+    # A plate with few dots has little left to disagree.
+    redundancy = np.maximum(2 * dots.measured.sum(axis=1) - HOMOGRAPHY_PARAMETERS, 1)
     result: Array = np.sqrt(squares / redundancy)
     return result
 

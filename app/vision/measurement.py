@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import DOT_COUNT
-from app.vision.homography import area_scales, homography_jacobians
+from app.vision.homography import PLATE_DOTS_U, area_scales, homography_jacobians
 from app.vision.template import (
     BACKGROUND,
     COEFFICIENTS,
@@ -133,19 +133,45 @@ def fit_plates(
     finest_px_per_u : float
         Plates larger than this are measured at a halved size.
     """
+    samples, levels = _patches(pyramid, image_from_plate, blur_px, grid, finest_px_per_u)
+    return _solve(samples, levels, grid, image_from_plate)
+
+
+def _patches(
+    pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid, finest_px_per_u: float
+) -> tuple[Array32, npt.NDArray[np.int64]]:
+    """Samples of all patches, shape (P, S, 3), and the template level for each."""
     px_per_u = local_px_per_u(image_from_plate)
     halvings = np.ceil(np.log2(np.maximum(px_per_u / finest_px_per_u, 1.0))).astype(np.int64)
     halvings = np.minimum(halvings, len(pyramid.levels) - 1)
-    samples = _sample(pyramid, image_from_plate, halvings, grid)
     # Averaging adds the pixel's own width to the blur: a box of n px has a variance of n^2 / 12.
     box_px2 = (4.0**halvings - 1.0) / 12.0
     levels = blur_level(np.sqrt(blur_px**2 + box_px2) / px_per_u)
-    return _solve(samples, levels, grid, image_from_plate, px_per_u)
+    return _sample(pyramid, image_from_plate, halvings, grid), levels
+
+
+def cell_residuals(pyramid: Pyramid, fits: PlateFits, blur_px: Array, finest_px_per_u: float) -> Array:
+    """Root mean square of samples minus model in each dot's cell, all channels, shape (P, 16), linear light.
+
+    What covers a dot does not look like any ink on black, whatever amplitude it takes.
+    """
+    grid = PatchGrid.FINE
+    samples, levels = _patches(pyramid, fits.image_from_plate, blur_px, grid, finest_px_per_u)
+    cells = np.linalg.norm(grid.points_u()[:, None] - PLATE_DOTS_U, axis=2).argmin(axis=1)
+    member = (cells[:, None] == np.arange(DOT_COUNT)).astype(np.float64)
+    power = np.empty((len(samples), DOT_COUNT))
+    for plate, level in enumerate(levels):
+        template = plate_template(grid, int(level))
+        solved = template.cofactors @ (template.design.T @ samples[plate])
+        residual = samples[plate] - template.design @ solved
+        power[plate] = (residual**2).mean(axis=1) @ member
+    result: Array = np.sqrt(power / member.sum(axis=0))
+    return result
 
 
 def _sample(pyramid: Pyramid, image_from_plate: Array, halvings: npt.NDArray[np.int64], grid: PatchGrid) -> Array32:
     """Bilinear samples of all patches in linear light, shape (P, S, 3)."""
-    points_u = grid.points_u()
+    points_u = grid.points_u()  # (S, 2)
     homogeneous = np.column_stack([points_u, np.ones(len(points_u))]).astype(np.float32)
     samples = np.empty((len(image_from_plate), len(points_u), CHANNELS), dtype=np.float32)
     for halving in np.unique(halvings):
@@ -162,9 +188,7 @@ def _sample(pyramid: Pyramid, image_from_plate: Array, halvings: npt.NDArray[np.
     return samples
 
 
-def _solve(
-    samples: Array32, levels: npt.NDArray[np.int64], grid: PatchGrid, image_from_plate: Array, px_per_u: Array
-) -> PlateFits:
+def _solve(samples: Array32, levels: npt.NDArray[np.int64], grid: PatchGrid, image_from_plate: Array) -> PlateFits:
     """Normal equations of all plates; the residuals' power follows from them without forming a residual."""
     plates, count = samples.shape[:2]
     coefficients = np.empty((plates, COEFFICIENTS, CHANNELS))
@@ -182,7 +206,7 @@ def _solve(
     dots = coefficients[:, : BACKGROUND.start].reshape(plates, DOT_COUNT, PER_DOT, CHANNELS)
     return PlateFits(
         image_from_plate=image_from_plate,
-        px_per_u=px_per_u,
+        px_per_u=local_px_per_u(image_from_plate),
         amplitudes=dots[:, :, 0],
         slopes=dots[:, :, 1:].transpose(0, 1, 3, 2),
         background=coefficients[:, BACKGROUND.start],

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import BASE_CELLS, PLATE_SIDE_U
-from app.vision.dots import Blobs
+from app.vision.dots import Blobs, sample_rows
 from app.vision.homography import (
     PLATE_DOTS_U,
     apply_homographies,
@@ -41,6 +40,8 @@ class ProposalOptions:
         A gap is dark when its red lies below this part of the way from the darkest gap to the red dots.
     dark_gaps_min : int
         Dark gaps of 21: some may be covered, or lie in the skirts of white dots on small plates.
+    proposals_max : int
+        The strongest are measured: far more than a photograph holds targets, to bound what a hostile one costs.
     red_contrast_min : float
         Grey values between red dots and dark gaps, in red: above noise.
     """
@@ -51,6 +52,7 @@ class ProposalOptions:
     size_ratio: tuple[float, float] = (0.45, 1.9)
     dark_fraction: float = 0.6
     dark_gaps_min: int = 15
+    proposals_max: int = 2000
     red_contrast_min: float = 16.0
 
 
@@ -76,7 +78,9 @@ def promising(bgr: Pixels, blobs: Blobs, groups: Indices, options: ProposalOptio
     groups = groups[_sizes_agree(image_from_plate, blobs, groups, options)]
     if not len(groups):
         return groups
-    return groups[_black_between(bgr, blobs.centres_px[groups], options)]
+    contrast = _black_between(bgr, blobs.centres_px[groups], options)
+    strongest = np.argsort(-contrast, kind="stable")[: options.proposals_max]
+    return groups[strongest[contrast[strongest] > 0]]
 
 
 def _convex(corners_px: Array) -> npt.NDArray[np.bool_]:
@@ -110,13 +114,14 @@ def _sizes_agree(
     return result
 
 
-def _black_between(bgr: Pixels, base_px: Array, options: ProposalOptions) -> npt.NDArray[np.bool_]:
+def _black_between(bgr: Pixels, base_px: Array, options: ProposalOptions) -> Array:
+    """Red between the dots and the gaps, shape (G,), grey values; 0 where the gaps are not black."""
     gaps_px = apply_homographies(image_from_corner_dots(base_px[:, :4]), GAPS_U)
-    points_px = np.concatenate([base_px, gaps_px], axis=1).astype(np.float32)
-    red = cv2.remap(bgr, points_px, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[..., RED_CHANNEL]
-    dots, gaps = red[:, :5].astype(np.float64), np.sort(red[:, 5:].astype(np.float64), axis=1)
+    red = sample_rows(bgr, np.concatenate([base_px, gaps_px], axis=1))[..., RED_CHANNEL]
+    dots, gaps = red[:, :5], np.sort(red[:, 5:], axis=1)
     lit, black = np.median(dots, axis=1), gaps[:, len(GAPS_U) // 4]
     border = black + options.dark_fraction * (lit - black)
     dark = (gaps < border[:, None]).sum(axis=1)
-    result: npt.NDArray[np.bool_] = (dark >= options.dark_gaps_min) & (lit - black > options.red_contrast_min)
-    return result
+    contrast = lit - black
+    stands = (dark >= options.dark_gaps_min) & (contrast > options.red_contrast_min)
+    return np.where(stands, contrast, 0.0)
