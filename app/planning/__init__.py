@@ -1,0 +1,1 @@
+"""Before a target is printed or posted: synthetic photographs, predicted accuracy, coverage."""
