@@ -1,7 +1,7 @@
 """Bytes to pose, stage by stage, as a multiple of decoding the JPEG alone: ``python -m benchmarks.speed ROOM``.
 
-Everything on one thread. Each photograph is decoded alone and located alternately in the same run, so that a busy machine
-slows both; per photograph the median of the repeats counts, per row the median of the photographs.
+Everything on one thread. Each photograph is decoded alone and located alternately in the same run, so that a busy
+machine slows both; per photograph the median of the repeats counts, per row the median of the photographs.
 """
 
 from __future__ import annotations

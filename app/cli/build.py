@@ -35,6 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Detect each, adjust, write."""
+    paths = photo_files(arguments.photos)
     from app.cli.detect_file import detect_file
     from app.cli.in_parallel import in_parallel
     from app.geometry.map_file import MapCamera, MapFile, write_map
@@ -42,7 +43,6 @@ def run(arguments: argparse.Namespace) -> int:
 
     plate = PlateSpec(arguments.family, arguments.u_mm / MM_PER_M)
     control = read_control(arguments.control, arguments.family) if arguments.control else ()
-    paths = photo_files(arguments.photos)
     with progress() as report:
         reading = (arguments.family, arguments.strictness)
         photos = in_parallel(detect_file, paths, reading, arguments.workers, report)
