@@ -39,7 +39,7 @@ from app.vision.judgement import (
     missing_in_plain_view,
     one_dot_one_target,
 )
-from app.vision.measurement import PlateFits, Pyramid, cell_residuals, fit_plates
+from app.vision.measurement import PlateFits, Pyramid, cell_residuals, fit_plates, measure_plates
 from app.vision.proposals import ProposalOptions, promising
 from app.vision.template import PatchGrid
 
@@ -66,8 +66,6 @@ class DetectorOptions:
         Blurs that are tried; the one that puts the dots best on their grids is taken for the photograph.
     blur_plates : int
         Plates that the choice is made on.
-    finest_px_per_u : float
-        Larger plates are measured at a halved size: their samples then stand 1-2 px apart.
     report_explained_min : float
         Groups that fail on colour are reported only if the plate's model explains this much of them: half.
     confidence_min : float
@@ -78,7 +76,6 @@ class DetectorOptions:
     blur_px: float = 0.7
     blurs_px: tuple[float, ...] = (0.45, 0.7, 1.1, 1.7, 2.6)
     blur_plates: int = 8
-    finest_px_per_u: float = 4.5
     report_explained_min: float = 0.5
     confidence_min: float = 0.35
     dots: DotOptions = field(default_factory=DotOptions)
@@ -142,19 +139,43 @@ def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: D
     # At first sight single pixels of the full photograph tell colours and places well enough.
     full = Pyramid.of(bgr, 1)
     rough = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
-    first, inks = _fit(full, rough, np.full(len(rough), options.blur_px), PatchGrid.ROUGH, options)
-    best = one_dot_one_target(groups, first.explained())
-    first, inks = first.select(best), inks.select(best)
-    refined = refine_homographies(first, locate_dots(first, inks, full.size_px, options.centres))
+    first = fit_plates(full, rough, np.full(len(rough), options.blur_px), PatchGrid.ROUGH)
+    first = first.select(one_dot_one_target(groups, first.explained()))
+    refined = _refined(first, full.size_px, options)
     blur_px = np.full(len(refined), _choose_blur(full, refined, options))
     pyramid = _pyramid(bgr, first, options)
-    fits, inks = _fit(pyramid, refined, blur_px, PatchGrid.FINE, options)
+    fits = measure_plates(pyramid, refined, blur_px)
+    inks = read_inks(fits.amplitudes, options.inks)
     dots = locate_dots(fits, inks, full.size_px, options.centres)
     refined = refine_homographies(fits, dots)
     judgement = judge_plates(fits, dots, inks, refined, options.judgement)
     judgement = _refuse_missing(pyramid, fits, dots, judgement, options)
     dots = calibrate_covariances(dots, refined, judgement.stands, options.centres)
     return _Plates(fits, dots, inks, refined, judgement)
+
+
+def _refined(fits: PlateFits, size_px: tuple[int, int], options: DetectorOptions) -> Array:
+    """Homographies through the dots as a fit has found them."""
+    inks = read_inks(fits.amplitudes, options.inks)
+    return refine_homographies(fits, locate_dots(fits, inks, size_px, options.centres))
+
+
+def _choose_blur(pyramid: Pyramid, image_from_plate: Array, options: DetectorOptions) -> float:
+    """The blur under which the dots of a few plates lie best on their grids: all plates share one lens and focus."""
+    few = image_from_plate[:: max(1, len(image_from_plate) // options.blur_plates)][: options.blur_plates]
+    # One batch holds every plate under every blur.
+    blur_px = np.repeat(options.blurs_px, len(few))
+    fits = fit_plates(pyramid, np.tile(few, (len(options.blurs_px), 1, 1)), blur_px, PatchGrid.FINE)
+    dots = locate_dots(fits, read_inks(fits.amplitudes, options.inks), pyramid.size_px, options.centres)
+    misfits = misfit_px(dots, refine_homographies(fits, dots)).reshape(len(options.blurs_px), -1)
+    return options.blurs_px[int(np.argmin(np.median(misfits, axis=1)))]
+
+
+def _pyramid(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Pyramid:
+    """As many halvings as the largest plate needs; what does not look like a plate needs none."""
+    likely = first.explained() > options.judgement.explained_min
+    largest = float(first.px_per_u[likely].max(initial=1.0))
+    return Pyramid.of(bgr, 1 + int(np.ceil(np.log2(max(largest / PatchGrid.DENSE.px_per_u_max, 1.0)))))
 
 
 def _refuse_missing(
@@ -165,35 +186,9 @@ def _refuse_missing(
     if not len(suspects):
         return judgement
     few = fits.select(suspects)
-    blur_px = np.full(len(suspects), options.blur_px)
-    residuals = cell_residuals(pyramid, few, blur_px, options.finest_px_per_u)
+    residuals = cell_residuals(pyramid, few, np.full(len(suspects), options.blur_px))
     missing = missing_in_plain_view(few, dots.select(suspects), residuals, options.judgement)
     return judgement.refuse(suspects[missing], "base-dot-missing")
-
-
-def _pyramid(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Pyramid:
-    """As many halvings as the largest plate needs; what does not look like a plate needs none."""
-    likely = first.explained() > options.judgement.explained_min
-    largest = float(first.px_per_u[likely].max(initial=options.finest_px_per_u))
-    return Pyramid.of(bgr, 1 + int(np.ceil(np.log2(largest / options.finest_px_per_u))))
-
-
-def _fit(
-    pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid, options: DetectorOptions
-) -> tuple[PlateFits, InkReading]:
-    fits = fit_plates(pyramid, image_from_plate, blur_px, grid, options.finest_px_per_u)
-    return fits, read_inks(fits.amplitudes, options.inks)
-
-
-def _choose_blur(pyramid: Pyramid, image_from_plate: Array, options: DetectorOptions) -> float:
-    """The blur under which the dots of a few plates lie best on their grids: all plates share one lens and focus."""
-    few = image_from_plate[:: max(1, len(image_from_plate) // options.blur_plates)][: options.blur_plates]
-    # One batch holds every plate under every blur.
-    blur_px = np.repeat(options.blurs_px, len(few))
-    fits, inks = _fit(pyramid, np.tile(few, (len(options.blurs_px), 1, 1)), blur_px, PatchGrid.FINE, options)
-    dots = locate_dots(fits, inks, pyramid.size_px, options.centres)
-    misfits = misfit_px(dots, refine_homographies(fits, dots)).reshape(len(options.blurs_px), -1)
-    return options.blurs_px[int(np.argmin(np.median(misfits, axis=1)))]
 
 
 def _read(

@@ -78,10 +78,6 @@ class InkReading:
     confidence: Array
     red_level: Array
 
-    def select(self, chosen: npt.NDArray[np.intp]) -> InkReading:
-        """The readings of some plates."""
-        return InkReading(self.digits[chosen], self.confidence[chosen], self.red_level[chosen])
-
     @property
     def coloured(self) -> npt.NDArray[np.bool_]:
         """Which of the sixteen dots are printed in colour and can be measured, shape (P, 16)."""

@@ -117,9 +117,22 @@ def local_px_per_u(image_from_plate: Array) -> Array:
     return area_scales(homography_jacobians(image_from_plate, CENTRE_U))[:, 0]
 
 
-def fit_plates(
-    pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid, finest_px_per_u: float
-) -> PlateFits:
+def measure_plates(pyramid: Pyramid, image_from_plate: Array, blur_px: Array) -> PlateFits:
+    """Fit all plates, each on the grid for its size; parameters as ``fit_plates``."""
+    large = local_px_per_u(image_from_plate) > PatchGrid.FINE.px_per_u_max
+    if not large.any():
+        return fit_plates(pyramid, image_from_plate, blur_px, PatchGrid.FINE)
+    parts = [
+        fit_plates(pyramid, image_from_plate[chosen], blur_px[chosen], grid)
+        for chosen, grid in ((~large, PatchGrid.FINE), (large, PatchGrid.DENSE))
+    ]
+    position = np.argsort(np.concatenate([np.flatnonzero(~large), np.flatnonzero(large)]))
+    return PlateFits(
+        *(np.concatenate([getattr(part, field.name) for part in parts])[position] for field in fields(PlateFits))
+    )
+
+
+def fit_plates(pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid) -> PlateFits:
     """Sample and fit all plates.
 
     Parameters
@@ -130,33 +143,32 @@ def fit_plates(
     blur_px : ndarray of shape (P,)
         Standard deviation of the blur in the photograph's own pixels.
     grid : PatchGrid
-    finest_px_per_u : float
-        Plates larger than this are measured at a halved size.
+        Plates larger than it is for are measured at a halved size.
     """
-    samples, levels = _patches(pyramid, image_from_plate, blur_px, grid, finest_px_per_u)
+    samples, levels = _patches(pyramid, image_from_plate, blur_px, grid)
     return _solve(samples, levels, grid, image_from_plate)
 
 
 def _patches(
-    pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid, finest_px_per_u: float
+    pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid
 ) -> tuple[Array32, npt.NDArray[np.int64]]:
     """Samples of all patches, shape (P, S, 3), and the template level for each."""
     px_per_u = local_px_per_u(image_from_plate)
-    halvings = np.ceil(np.log2(np.maximum(px_per_u / finest_px_per_u, 1.0))).astype(np.int64)
+    halvings = np.ceil(np.log2(np.maximum(px_per_u / grid.px_per_u_max, 1.0))).astype(np.int64)
     halvings = np.minimum(halvings, len(pyramid.levels) - 1)
-    # Averaging adds the pixel's own width to the blur: a box of n px has a variance of n^2 / 12.
-    box_px2 = (4.0**halvings - 1.0) / 12.0
-    levels = blur_level(np.sqrt(blur_px**2 + box_px2) / px_per_u)
+    # Larger pixels blur: a box of n px has a variance of n^2 / 12, the triangle of bilinear sampling of n^2 / 6.
+    pixel_px2 = (4.0**halvings - 1.0) * (1.0 / 12.0 + 1.0 / 6.0)
+    levels = blur_level(np.sqrt(blur_px**2 + pixel_px2) / px_per_u)
     return _sample(pyramid, image_from_plate, halvings, grid), levels
 
 
-def cell_residuals(pyramid: Pyramid, fits: PlateFits, blur_px: Array, finest_px_per_u: float) -> Array:
+def cell_residuals(pyramid: Pyramid, fits: PlateFits, blur_px: Array) -> Array:
     """Root mean square of samples minus model in each dot's cell, all channels, shape (P, 16), linear light.
 
     What covers a dot does not look like any ink on black, whatever amplitude it takes.
     """
     grid = PatchGrid.FINE
-    samples, levels = _patches(pyramid, fits.image_from_plate, blur_px, grid, finest_px_per_u)
+    samples, levels = _patches(pyramid, fits.image_from_plate, blur_px, grid)
     cells = np.linalg.norm(grid.points_u()[:, None] - PLATE_DOTS_U, axis=2).argmin(axis=1)
     member = (cells[:, None] == np.arange(DOT_COUNT)).astype(np.float64)
     power = np.empty((len(samples), DOT_COUNT))

@@ -37,7 +37,16 @@ class PatchGrid(Enum):
     """How densely a patch is sampled: samples per side over the patch's width."""
 
     ROUGH = 21  # every 0.64 u: three samples across a dot tell its colour and its place to a tenth of its radius
-    FINE = 33  # every 0.4 u: five samples across a dot; finer gains nothing where samples stand 1-2 px apart
+    FINE = 33  # every 0.4 u: five samples across a dot
+    DENSE = 65  # every 0.2 u, for large plates
+
+    @property
+    def px_per_u_max(self) -> float:
+        """Largest plate that the grid does justice to: samples stand 1.8 px apart there, so that none falls between.
+
+        The rough grid looks at single pixels of any plate.
+        """
+        return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.5, PatchGrid.DENSE: 9.0}[self]
 
     def points_u(self) -> Array:
         """Plate coordinates, shape (S, 2), of a patch's samples."""
@@ -73,7 +82,7 @@ def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
 
 @cache
 def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:
-    """The template for a blur of ``level * BLUR_STEP_U`` (standard deviation, u); there are at most 56 of them."""
+    """The template for a blur of ``level * BLUR_STEP_U`` (standard deviation, u); there are at most 84 of them."""
     blur_u, samples_u = level * BLUR_STEP_U, grid.points_u()
     offset_u = samples_u[:, None] - PLATE_DOTS_U
     radius_u = np.hypot(offset_u[..., 0], offset_u[..., 1])
