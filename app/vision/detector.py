@@ -74,8 +74,8 @@ class DetectorOptions:
 
     strictness: Strictness = "normal"
     blur_px: float = 0.7
-    blurs_px: tuple[float, ...] = (0.45, 0.7, 1.1, 1.7, 2.6)
-    blur_plates: int = 8
+    blurs_px: tuple[float, ...] = (0.45, 0.75, 1.3, 2.2)
+    blur_plates: int = 7
     report_explained_min: float = 0.5
     confidence_min: float = 0.35
     dots: DotOptions = field(default_factory=DotOptions)

@@ -49,6 +49,45 @@ MISSING = (
 
 
 @dataclass(frozen=True)
+class _Cases:
+    """All ways in which four blobs, in a given order, play four roles: five hidden dots times 24 orders.
+
+    Attributes
+    ----------
+    hidden : ndarray of shape (120,)
+        The hidden role.
+    seen : ndarray of shape (120, 4)
+        The role of each of the four blobs.
+    relations, predictions : ndarray of shape (120, 4)
+        Weights of the four blobs; a relation's greatest weight is 1.
+    """
+
+    hidden: Indices
+    seen: Indices
+    relations: Array
+    predictions: Array
+
+
+def _all_cases() -> _Cases:
+    rows = [
+        (missing, np.array([role for role in range(5) if role != missing.role])[list(order)])
+        for missing in MISSING
+        for order in permutations(range(4))
+    ]
+    seen = np.array([roles for _, roles in rows], dtype=np.intp)
+    relations = np.array([np.array(missing.relation, dtype=np.float64)[roles] for missing, roles in rows])
+    return _Cases(
+        hidden=np.array([missing.role for missing, _ in rows], dtype=np.intp),
+        seen=seen,
+        relations=relations / np.abs(relations).max(axis=1, keepdims=True),
+        predictions=np.array([np.array(missing.prediction, dtype=np.float64)[roles] for missing, roles in rows]),
+    )
+
+
+CASES = _all_cases()
+
+
+@dataclass(frozen=True)
 class HiddenDotOptions:
     """Which fours are tried.
 
@@ -93,26 +132,16 @@ def complete_groups(
     if len(pool) < 4:
         return blobs, np.empty((0, 5), dtype=np.intp)
     fours = _near_fours(pool, options)
-    groups, centres_px, semi_axes_px = [], [], []
-    made = len(blobs)
-    for missing in MISSING:
-        seen = [role for role in range(5) if role != missing.role]
-        for order in permutations(range(4)):
-            four = fours[:, order]
-            fits = _related(pool, four, seen, missing, options)
-            four = four[fits]
-            group = np.empty((len(four), 5), dtype=np.intp)
-            group[:, seen] = chosen[four]
-            group[:, missing.role] = made + np.arange(len(four))
-            made += len(four)
-            weights = np.array(missing.prediction)[seen]
-            centres_px.append(np.einsum("r,grc->gc", weights, pool.centres_px[four]))
-            semi_axes_px.append(pool.semi_axes_px[four].mean(axis=1))
-            groups.append(group)
-    extended = Blobs(
-        np.concatenate([blobs.centres_px, *centres_px]), np.concatenate([blobs.semi_axes_px, *semi_axes_px])
-    )
-    return extended, np.concatenate(groups)
+    four, case = np.nonzero(_related(pool, fours, options))
+    seen, hidden = CASES.seen[case], CASES.hidden[case]
+    count = len(four)
+    groups = np.empty((count, 5), dtype=np.intp)
+    groups[np.arange(count)[:, None], seen] = chosen[fours[four]]
+    groups[np.arange(count), hidden] = len(blobs) + np.arange(count)
+    centres_px = np.einsum("gr,grc->gc", CASES.predictions[case], pool.centres_px[fours[four]])
+    semi_axes_px = pool.semi_axes_px[fours[four]].mean(axis=1)
+    extended = Blobs(np.concatenate([blobs.centres_px, centres_px]), np.concatenate([blobs.semi_axes_px, semi_axes_px]))
+    return extended, groups
 
 
 def _near_fours(pool: Blobs, options: HiddenDotOptions) -> Indices:
@@ -127,11 +156,9 @@ def _near_fours(pool: Blobs, options: HiddenDotOptions) -> Indices:
     return fours[extent_px < options.extent_axes * pool.semi_axes_px[fours, 0].mean(axis=1)]
 
 
-def _related(
-    pool: Blobs, four: Indices, seen: list[int], missing: _Missing, options: HiddenDotOptions
-) -> npt.NDArray[np.bool_]:
-    """Which fours satisfy the relation of the four seen roles."""
-    weights = np.array(missing.relation, dtype=np.float64)[seen]
-    gap_px = np.linalg.norm(np.einsum("r,grc->gc", weights, pool.centres_px[four]), axis=1) / np.abs(weights).max()
-    result: npt.NDArray[np.bool_] = gap_px < options.relation_max_axes * pool.semi_axes_px[four, 0].mean(axis=1)
+def _related(pool: Blobs, fours: Indices, options: HiddenDotOptions) -> npt.NDArray[np.bool_]:
+    """In which cases each four satisfies the affine relation of the roles it would play, shape (M, 120)."""
+    gap_px = np.linalg.norm(np.einsum("qr,mrc->mqc", CASES.relations, pool.centres_px[fours]), axis=2)
+    radius_px = pool.semi_axes_px[fours, 0].mean(axis=1)
+    result: npt.NDArray[np.bool_] = gap_px < options.relation_max_axes * radius_px[:, None]
     return result
