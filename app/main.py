@@ -17,7 +17,7 @@ from app.services.build_map import BuildLimits, MapBuilder
 from app.services.locate import LocateLimits, Locator
 from app.services.readiness import Readiness
 from app.services.surveys import PhotoIntake
-from app.services.workbench import open_workbench
+from app.services.workers import start_worker
 from app.settings import Settings, settings_from_environment
 from app.storage.database import Database
 from app.storage.migrate import upgrade
@@ -37,9 +37,9 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     database, photos = await asyncio.to_thread(_open_storage, settings)
     limits = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
     bench = (settings.sqlalchemy_url, str(settings.photographs_dir))
-    locating = WorkerPool(settings.locate_workers, settings.queue_depth, open_workbench, bench)
+    locating = WorkerPool(settings.locate_workers, settings.queue_depth, start_worker, bench)
     # A build hands out as many photographs as there are workers; the next one is never refused.
-    building = WorkerPool(settings.build_workers, settings.build_workers, open_workbench, bench)
+    building = WorkerPool(settings.build_workers, settings.build_workers, start_worker, bench)
     width = BuildLimits(limits, settings.build_workers, settings.detect_timeout_s, settings.adjust_timeout_s)
     runner = BuildRunner(database, MapBuilder(database, building, width))
     try:

@@ -95,7 +95,8 @@ def records_of_csv(text: str) -> Records:
     missing = [name for name in COLUMNS if name not in header]
     if missing:
         raise InvalidControlPoints(
-            f"the CSV's first line must name the columns {','.join(COLUMNS)}; missing: {', '.join(missing)}",
+            f"the first line of the CSV must name the columns {','.join(COLUMNS)}, separated by commas; "
+            f"missing are {', '.join(missing)}",
             missing=missing,
         )
     reader.fieldnames = header
@@ -167,10 +168,10 @@ def _point_of_record(
     numbers: dict[str, float] = {}
     for column in NUMBERS:
         value = _number(record[column])
-        if value is None or abs(value) > limits.greatest_m:
-            return RowError(
-                row, column, f"{record[column]!r} is no number of metres (write 4.46, within a room's size)"
-            )
+        if value is None:
+            return RowError(row, column, f"{record[column]!r} is no number of metres (write 4.46)")
+        if abs(value) > limits.greatest_m:
+            return RowError(row, column, f"{value:g} m is far from any building's own frame: subtract a local origin")
         numbers[column] = value
     code = _number(record["code"])
     if code is None or code != int(code) or not family.contains(int(code)):

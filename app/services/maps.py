@@ -8,13 +8,13 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 from sqlalchemy.orm import Session
 
 from app.errors import Conflict
-from app.geometry.target_map import Datum, MappedTarget, TargetMap
+from app.geometry.map_file import MapCamera, MapFile, map_to_json, target_to_json
+from app.geometry.target_map import TargetMap
 from app.services.geodesy import geodetic
+from app.storage.cameras import CameraRepository
 from app.storage.records import MapVersion, Site
 from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
@@ -31,11 +31,12 @@ CSV_COLUMNS = ["code", *POSE_COLUMNS, "rays", "rms_px", *DOT_COLUMNS]
 
 @dataclass(frozen=True)
 class PublishedMap:
-    """A version of a site's target map."""
+    """A version of a site's target map and the cameras of its survey."""
 
     site: Site
     version: int
     target_map: TargetMap
+    cameras: tuple[MapCamera, ...]
 
 
 def published_map(session: Session, site_id: str, version: int | None) -> PublishedMap:
@@ -50,7 +51,9 @@ def published_map(session: Session, site_id: str, version: int | None) -> Publis
     """
     maps = TargetMapRepository(session)
     found = maps.version(site_id, version).version
-    return PublishedMap(SiteRepository(session).get(site_id), found, maps.load(site_id, found))
+    stored = CameraRepository(session).of_map(site_id, found)
+    cameras = tuple(MapCamera(camera.identity, camera.calibrated) for camera in stored)
+    return PublishedMap(SiteRepository(session).get(site_id), found, maps.load(site_id, found), cameras)
 
 
 def activate_map(session: Session, site_id: str, version: int) -> MapVersion:
@@ -85,10 +88,10 @@ def adjustment_report(session: Session, site_id: str, version: int | None) -> di
     return {"site_id": site_id, "map_version": found.version, **report, "photographs_left_out": unoriented}
 
 
-def position_sigma_m(target: MappedTarget, datum: Datum) -> npt.NDArray[np.float64]:
-    """Standard deviations of a target's position in the site frame, shape (3,): its own part and the datum's."""
-    shared = datum.pose_covariance(target.site_from_target.position_m)
-    return np.asarray(np.sqrt(np.diag(target.covariance + shared)[:3]))
+def json_of_map(published: PublishedMap) -> dict[str, Any]:
+    """The map as a file's content: the published fields, and all that an honest pose needs."""
+    members = {"site_id": published.site.site_id, "map_version": published.version}
+    return {**members, **map_to_json(MapFile(published.target_map, published.cameras))}
 
 
 def csv_of_map(published: PublishedMap) -> str:
@@ -98,7 +101,7 @@ def csv_of_map(published: PublishedMap) -> str:
     writer.writerow(CSV_COLUMNS)
     for target in published.target_map.targets:
         pose = target.site_from_target
-        sigma_m = position_sigma_m(target, published.target_map.datum)
+        sigma_m = target_to_json(target, published.target_map.datum)["sigma_m"]
         numbers = [*pose.position_m, *pose.orientation_xyzw, *sigma_m]
         dots_m = [round(float(value), METRES_DIGITS) for value in target.dots_m.ravel()]
         rounded = [round(float(value), METRES_DIGITS) for value in numbers]
@@ -144,16 +147,10 @@ def geojson_of_map(published: PublishedMap) -> str:
         )
     features = []
     for target in published.target_map.targets:
-        position_m = target.site_from_target.position_m
-        sigma_m = position_sigma_m(target, published.target_map.datum)
-        properties = {
-            "code": target.code,
-            "position_m": position_m.tolist(),
-            "sigma_m": sigma_m.tolist(),
-            "rays": target.rays,
-            "rms_px": target.rms_px,
-        }
-        point = {"type": "Point", "coordinates": geodetic(position_m, anchor).tolist()}
+        record = target_to_json(target, published.target_map.datum)
+        properties = {name: record[name] for name in ("code", "position_m", "sigma_m", "rays", "rms_px")}
+        coordinates = geodetic(target.site_from_target.position_m, anchor).tolist()
+        point = {"type": "Point", "coordinates": coordinates}
         features.append({"type": "Feature", "id": target.code, "geometry": point, "properties": properties})
     members = {"site_id": published.site.site_id, "map_version": published.version}
     return json.dumps({"type": "FeatureCollection", **members, "features": features})

@@ -67,6 +67,11 @@ class CameraRepository:
             query = query.where(CameraRow.id > request.after)
         return page_of([(row.id, _camera(row)) for row in self._session.scalars(query)], request.limit)
 
+    def of_map(self, site_id: str, version: int) -> tuple[StoredCamera, ...]:
+        """Cameras that were calibrated with a map version."""
+        query = select(CameraRow).where(CameraRow.site_id == site_id, CameraRow.map_version == version)
+        return tuple(_camera(row) for row in self._session.scalars(query.order_by(CameraRow.id)))
+
     def candidates(self, site_id: str, device_id: str | None) -> tuple[StoredCamera, ...]:
         """Cameras that may have taken a snapshot: the site's, and the device's from anywhere; newest first."""
         conditions: list[ColumnElement[bool]] = [CameraRow.site_id == site_id]

@@ -32,7 +32,7 @@ def get_targets(
     """A version of a site's target map."""
     published = maps.published_map(session, site_id, version)
     if format == "json":
-        return TargetsAnswer.of(published)
+        return maps.json_of_map(published)
     write, media_type = WRITERS[format]
     return Response(write(published), media_type=media_type)
 

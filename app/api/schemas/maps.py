@@ -9,8 +9,6 @@ from pydantic import BaseModel, Field
 
 from app.api.schemas.common import Listing, Quaternion, Vector3, numbers_of, time_of
 from app.geometry.camera import INTRINSIC_NAMES
-from app.geometry.target_map import Datum, MappedTarget
-from app.services.maps import PublishedMap, position_sigma_m
 from app.storage.paging import Page
 from app.storage.records import MapVersion, StoredCamera
 from app.targets.layout import DOT_COUNT
@@ -28,45 +26,31 @@ class TargetAnswer(BaseModel):
     sigma_m: Annotated[Vector3, Field(description="Of the position in the site frame, the datum's part included.")]
     rays: int
     rms_px: float
+    covariance: list[list[float]] = Field(
+        description="6 x 6, the target's own part: position (m, site axes), small rotation (rad, site axes)."
+    )
 
-    @classmethod
-    def of(cls, target: MappedTarget, datum: Datum) -> TargetAnswer:
-        """The answer for a target."""
-        return cls(
-            code=target.code,
-            position_m=numbers_of(target.site_from_target.position_m),
-            orientation_xyzw=numbers_of(target.site_from_target.orientation_xyzw),
-            dots_m=target.dots_m.tolist(),
-            sigma_m=numbers_of(position_sigma_m(target, datum)),
-            rays=target.rays,
-            rms_px=target.rms_px,
-        )
+
+class DatumAnswer(BaseModel):
+    """The uncertainty that all targets share."""
+
+    origin_m: Vector3
+    covariance: list[list[float]] = Field(description="7 x 7: translation (m), rotation (rad), log-scale.")
+    assumed_scale: bool = Field(description="True when no control fixed the scale: it comes from the printed pitch.")
+    assumed_orientation: bool = Field(description="True when no control fixed the axes: z comes from the plates.")
 
 
 class TargetsAnswer(BaseModel):
-    """A version of a site's target map."""
+    """A version of a site's target map; saved to a file it is a map for ``scattermark locate``."""
 
     site_id: str
     map_version: int
+    format: str
     code_family: str
     plate_u_m: float
-    assumed_scale: bool = Field(description="True when no control fixed the scale: it comes from the printed pitch.")
-    assumed_orientation: bool = Field(description="True when no control fixed the axes: z comes from the plates.")
     targets: list[TargetAnswer]
-
-    @classmethod
-    def of(cls, published: PublishedMap) -> TargetsAnswer:
-        """The answer for a version."""
-        target_map = published.target_map
-        return cls(
-            site_id=published.site.site_id,
-            map_version=published.version,
-            code_family=target_map.code_family,
-            plate_u_m=target_map.u_m,
-            assumed_scale=target_map.datum.assumed_scale,
-            assumed_orientation=target_map.datum.assumed_orientation,
-            targets=[TargetAnswer.of(target, target_map.datum) for target in target_map.targets],
-        )
+    datum: DatumAnswer
+    cameras: list[dict[str, Any]] = Field(description="The survey's cameras: identity, intrinsics, covariance, source.")
 
 
 class MapAnswer(BaseModel):

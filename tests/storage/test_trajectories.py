@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+
+from app.errors import Conflict, NotFound
+from app.storage.database import Database
+from app.storage.models import SnapshotRow, TrajectoryRow
+from app.storage.snapshots import Located, Snapshot
+from app.storage.trajectories import TrajectoryRepository
+from tests.storage import examples
+
+SNAPSHOT_ID = "0190c0de-0000-7000-8000-000000000001"
+
+
+def assert_same_snapshot(mine: Snapshot, theirs: Snapshot) -> None:
+    assert (mine.pose_id, mine.trajectory_id, mine.heading, mine.seen) == (
+        theirs.pose_id,
+        theirs.trajectory_id,
+        theirs.heading,
+        theirs.seen,
+    )
+    if isinstance(theirs.outcome, Located):
+        assert isinstance(mine.outcome, Located)
+        np.testing.assert_array_equal(mine.outcome.covariance, theirs.outcome.covariance)
+        np.testing.assert_array_equal(mine.outcome.site_from_cam.rotation, theirs.outcome.site_from_cam.rotation)
+        np.testing.assert_array_equal(mine.outcome.site_from_cam.position_m, theirs.outcome.site_from_cam.position_m)
+        assert (mine.outcome.sigma0, mine.outcome.redundancy, mine.outcome.ambiguity_ratio) == (
+            theirs.outcome.sigma0,
+            theirs.outcome.redundancy,
+            theirs.outcome.ambiguity_ratio,
+        )
+    else:
+        assert mine.outcome == theirs.outcome
+
+
+@pytest.mark.parametrize("outcome", [examples.located(), examples.REFUSED])
+def test_poses_and_refusals_are_rows_of_the_trajectory(database: Database, outcome: object) -> None:
+    site, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectories = TrajectoryRepository(session)
+        trajectory = trajectories.default(site.site_id, "phone-1")
+        made = trajectories.record(trajectory.trajectory_id, examples.snapshot(site, outcome, SNAPSHOT_ID))  # type: ignore[arg-type]
+    with database.reading() as session:
+        found = TrajectoryRepository(session).find(site.site_id, SNAPSHOT_ID)
+        (listed,) = TrajectoryRepository(session).snapshots(trajectory.trajectory_id, 10)
+    assert found is not None
+    assert_same_snapshot(found, made)
+    assert_same_snapshot(listed, made)
+
+
+def test_a_repeated_snapshot_id_gets_the_first_row(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectories = TrajectoryRepository(session)
+        trajectory_id = trajectories.default(site.site_id, None).trajectory_id
+        first = trajectories.record(trajectory_id, examples.snapshot(site, examples.REFUSED, SNAPSHOT_ID))
+        again = trajectories.record(trajectory_id, examples.snapshot(site, examples.located(), SNAPSHOT_ID))
+        for _ in range(2):  # without an id each is a row of its own
+            trajectories.record(trajectory_id, examples.snapshot(site, examples.located()))
+        assert session.query(SnapshotRow).count() == 3
+    assert_same_snapshot(again, first)
+
+
+def test_one_default_trajectory_per_site_and_device_however_many_ask(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    found: list[str] = []
+
+    def ask() -> None:
+        with database.writing() as session:
+            found.append(TrajectoryRepository(session).default(site.site_id, "phone-1").trajectory_id)
+
+    threads = [threading.Thread(target=ask) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    with database.writing() as session:
+        other = TrajectoryRepository(session).default(site.site_id, None)
+        assert other.default
+        assert session.query(TrajectoryRow).count() == 2
+    assert len(found) == 8
+    assert len(set(found)) == 1
+    assert other.trajectory_id not in found
+
+
+def test_only_an_open_trajectory_of_the_site_takes_snapshots(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    other, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectories = TrajectoryRepository(session)
+        mine = trajectories.default(site.site_id, None)
+        assert trajectories.open_one(mine.trajectory_id, site.site_id) == mine
+        with pytest.raises(NotFound, match="no trajectory"):
+            trajectories.open_one("nowhere", site.site_id)
+        with pytest.raises(Conflict, match="belongs to site"):
+            trajectories.open_one(mine.trajectory_id, other.site_id)
+        row = session.get(TrajectoryRow, mine.trajectory_id)
+        assert row is not None
+        row.closed_s = 1.0
+        with pytest.raises(Conflict, match="is closed"):
+            trajectories.open_one(mine.trajectory_id, site.site_id)
