@@ -144,5 +144,4 @@ def _inside(image_from_plate: Array, size_px: tuple[int, int], border_u: float) 
     corners_px = apply_homographies(image_from_plate, (PLATE_DOTS_U[:, None] + corners).reshape(-1, 2))
     greatest = np.array(size_px) - 1.0
     within = ((corners_px >= 0.0) & (corners_px <= greatest)).all(axis=-1)
-    result: npt.NDArray[np.bool_] = within.reshape(len(image_from_plate), -1, 4).all(axis=-1)
-    return result
+    return np.asarray(within.reshape(len(image_from_plate), -1, 4).all(axis=-1))

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from app.geometry.observations import Detection, Rejected, TargetObservation
-from app.targets.family import UNDECODABLE, CodeFamily
-from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+from app.geometry.observations import Detection
+from app.targets.family import CodeFamily
 from app.vision.centres import (
     CentreOptions,
     DotCentres,
@@ -26,21 +25,19 @@ from app.vision.dots import Blobs, DotOptions, find_red_blobs
 from app.vision.grouping import GroupingOptions, group_base_dots
 from app.vision.hidden_dots import HiddenDotOptions, complete_groups
 from app.vision.homography import image_from_corner_dots
-from app.vision.inks import HIDDEN_DIGIT, InkOptions, InkReading, read_inks
+from app.vision.inks import InkOptions, read_inks
 from app.vision.judgement import (
-    COLOUR_REASONS,
-    REASON_TEXT,
     Judgement,
     JudgementOptions,
-    Strictness,
     judge_plates,
     lacks_red,
     misfit_px,
     missing_in_plain_view,
     one_dot_one_target,
 )
-from app.vision.measurement import PlateFits, Pyramid, cell_residuals, fit_plates, measure_plates
+from app.vision.measurement import PlateFits, Pyramid, cell_residuals, fit_plates, fit_under_blurs, measure_plates
 from app.vision.proposals import ProposalOptions, promising
+from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates
 from app.vision.template import PatchGrid
 
 Array = npt.NDArray[np.float64]
@@ -48,8 +45,6 @@ Pixels = npt.NDArray[np.uint8]
 
 # Changes whenever the same photograph could give other numbers: stored detections are kept by it.
 DETECTOR_VERSION = "plate-1"
-
-DIGITS = list(DIGIT_CELLS)
 
 
 @dataclass(frozen=True)
@@ -66,18 +61,12 @@ class DetectorOptions:
         Blurs that are tried; the one that puts the dots best on their grids is taken for the photograph.
     blur_plates : int
         Plates that the choice is made on.
-    report_explained_min : float
-        Groups that fail on colour are reported only if the plate's model explains this much of them: half.
-    confidence_min : float
-        A digit nearer than this to the border between two inks is taken as hidden (1 is a typical distance).
     """
 
     strictness: Strictness = "normal"
     blur_px: float = 0.7
     blurs_px: tuple[float, ...] = (0.45, 0.75, 1.3, 2.2)
     blur_plates: int = 7
-    report_explained_min: float = 0.5
-    confidence_min: float = 0.35
     dots: DotOptions = field(default_factory=DotOptions)
     grouping: GroupingOptions = field(default_factory=GroupingOptions)
     hidden_dots: HiddenDotOptions = field(default_factory=HiddenDotOptions)
@@ -85,17 +74,7 @@ class DetectorOptions:
     centres: CentreOptions = field(default_factory=CentreOptions)
     inks: InkOptions = field(default_factory=InkOptions)
     judgement: JudgementOptions = field(default_factory=JudgementOptions)
-
-
-@dataclass(frozen=True)
-class _Plates:
-    """Measured candidates of one photograph, before their codes are read."""
-
-    fits: PlateFits
-    dots: DotCentres
-    inks: InkReading
-    refined: Array
-    judgement: Judgement
+    reading: ReadingOptions = field(default_factory=ReadingOptions)
 
 
 def detect(
@@ -130,11 +109,11 @@ def detect(
     if not len(groups):
         return Detection(width_px, height_px, ())
     plates = _measure(bgr, blobs, groups, options)
-    targets, rejected = _read(plates, family, options, known_codes)
+    targets, rejected = read_plates(plates, CodeBook(family, options.strictness, known_codes), options.reading)
     return Detection(width_px, height_px, targets, rejected)
 
 
-def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> _Plates:
+def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> MeasuredPlates:
     """Fit all candidates, keep those that share no dot with a better one, fit them again from the refined places."""
     # At first sight single pixels of the full photograph tell colours and places well enough.
     full = Pyramid.of(bgr, 1)
@@ -151,7 +130,7 @@ def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: D
     judgement = judge_plates(fits, dots, inks, refined, options.judgement)
     judgement = _refuse_missing(pyramid, fits, dots, judgement, options)
     dots = calibrate_covariances(dots, refined, judgement.stands, options.centres)
-    return _Plates(fits, dots, inks, refined, judgement)
+    return MeasuredPlates(fits, dots, inks, judgement)
 
 
 def _refined(fits: PlateFits, size_px: tuple[int, int], options: DetectorOptions) -> Array:
@@ -163,9 +142,7 @@ def _refined(fits: PlateFits, size_px: tuple[int, int], options: DetectorOptions
 def _choose_blur(pyramid: Pyramid, image_from_plate: Array, options: DetectorOptions) -> float:
     """The blur under which the dots of a few plates lie best on their grids: all plates share one lens and focus."""
     few = image_from_plate[:: max(1, len(image_from_plate) // options.blur_plates)][: options.blur_plates]
-    # One batch holds every plate under every blur.
-    blur_px = np.repeat(options.blurs_px, len(few))
-    fits = fit_plates(pyramid, np.tile(few, (len(options.blurs_px), 1, 1)), blur_px, PatchGrid.FINE)
+    fits = fit_under_blurs(pyramid, few, options.blurs_px)
     dots = locate_dots(fits, read_inks(fits.amplitudes, options.inks), pyramid.size_px, options.centres)
     misfits = misfit_px(dots, refine_homographies(fits, dots)).reshape(len(options.blurs_px), -1)
     return options.blurs_px[int(np.argmin(np.median(misfits, axis=1)))]
@@ -189,50 +166,3 @@ def _refuse_missing(
     residuals = cell_residuals(pyramid, few, np.full(len(suspects), options.blur_px))
     missing = missing_in_plain_view(few, dots.select(suspects), residuals, options.judgement)
     return judgement.refuse(suspects[missing], "base-dot-missing")
-
-
-def _read(
-    plates: _Plates, family: CodeFamily, options: DetectorOptions, known_codes: frozenset[int] | None
-) -> tuple[tuple[TargetObservation, ...], tuple[Rejected, ...]]:
-    """Decode the plates that stand, one target per code, the better fit first."""
-    digits = np.where(plates.inks.confidence < options.confidence_min, HIDDEN_DIGIT, plates.inks.digits)
-    # A dot outside the photograph is hidden, whatever its border pixels look like.
-    digits = np.where(plates.dots.inside[:, DIGITS], digits, HIDDEN_DIGIT).astype(np.int8)
-    codes, corrected, erased = family.decode_many(digits, options.judgement.max_corrections(options.strictness))
-    targets: dict[int, TargetObservation] = {}
-    rejected: list[Rejected] = []
-    for plate in np.argsort(-plates.fits.explained(), kind="stable"):
-        code = int(codes[plate])
-        reason = plates.judgement.reasons[plate] or _code_reason(code, int(corrected[plate]), known_codes)
-        if reason == "code-not-in-family" and (digits[plate] == HIDDEN_DIGIT).sum() >= family.distance:
-            reason = "unreadable"
-        if not reason and code in targets:
-            reason = "duplicate-code"
-        if reason:
-            if reason not in COLOUR_REASONS or plates.fits.explained()[plate] > options.report_explained_min:
-                rejected.append(_rejected(plates, plate, reason, code))
-            continue
-        targets[code] = TargetObservation(
-            code=code,
-            centres_px=plates.dots.centres_px[plate],
-            covariances_px2=plates.dots.covariances_px2[plate],
-            measured=plates.dots.measured[plate],
-            corrected=int(corrected[plate]),
-            erased=int(erased[plate]),
-            rms_px=float(plates.judgement.rms_px[plate]),
-        )
-    return tuple(targets.values()), tuple(rejected)
-
-
-def _code_reason(code: int, corrected: int, known_codes: frozenset[int] | None) -> str:
-    if code == UNDECODABLE:
-        return "code-not-in-family"
-    if corrected and known_codes is not None and code not in known_codes:
-        return "code-not-in-family"
-    return ""
-
-
-def _rejected(plates: _Plates, plate: np.intp, reason: str, code: int) -> Rejected:
-    corners_px = plates.dots.centres_px[plate][list(BASE_CELLS[:4])]
-    known = code if code != UNDECODABLE and reason == "duplicate-code" else None
-    return Rejected(reason, corners_px.mean(axis=0), REASON_TEXT[reason], known, corners_px)

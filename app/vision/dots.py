@@ -5,7 +5,9 @@ Colour proposes; the plate fit localises later, so a centre here need only be go
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -135,7 +137,7 @@ def sample_rows(pixels: Pixels, points_px: Array) -> Array:
     """Bilinear samples, shape (N, M) or (N, M, channels), at points of shape (N, M, 2), in blocks OpenCV can take."""
     rows_max = 30_000
     blocks = [
-        cv2.remap(pixels, block, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        cv2.remap(pixels, block[..., 0], block[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         for block in np.array_split(points_px.astype(np.float32), 1 + len(points_px) // rows_max)
     ]
     return np.concatenate(blocks).astype(np.float64)
@@ -148,7 +150,7 @@ def _red_gain(bgr: Pixels, options: DotOptions) -> float:
     return float(np.clip(max(blue, green, 1.0) / max(red, 1.0), *options.red_gain))
 
 
-def _ellipses(outlines: list[npt.NDArray[np.int32]]) -> tuple[Array, Array]:
+def _ellipses(outlines: Sequence[npt.NDArray[Any]]) -> tuple[Array, Array]:
     """Centres and semi-axes from the moments of the outlines' points, all at once."""
     counts = np.array([len(outline) for outline in outlines])
     points_px = np.concatenate(outlines).reshape(-1, 2).astype(np.float64)

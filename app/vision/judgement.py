@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +16,6 @@ from app.vision.measurement import PlateFits
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-Strictness = Literal["strict", "normal", "eager"]
 BASE = list(BASE_CELLS)
 
 
@@ -47,8 +45,6 @@ class JudgementOptions:
         A cell is covered when it leaves this multiple of the plate's median cell unexplained; plain cells reach 2.4.
     base_dots_min, dots_min : int
         Measured base dots, and measured dots in all.
-    max_corrections : dict of int by strictness
-        Misread digits that the code family may mend, if its distance allows.
     """
 
     red_min: float = 2.0
@@ -62,10 +58,6 @@ class JudgementOptions:
     covered_residual: float = 3.0
     base_dots_min: int = 4
     dots_min: int = 6
-
-    def max_corrections(self, strictness: Strictness) -> int:
-        """Misread digits that may be mended: none, one (then two or three wrong are still refused), or two."""
-        return {"strict": 0, "normal": 1, "eager": 2}[strictness]
 
 
 @dataclass(frozen=True)
@@ -157,8 +149,7 @@ def missing_in_plain_view(
     """
     covered = residuals > options.covered_residual * np.median(residuals, axis=1, keepdims=True)
     lacking = lacks_red(fits, options) & dots.inside[:, BASE] & ~covered[:, BASE]
-    result: Mask = lacking.any(axis=1)
-    return result
+    return np.asarray(lacking.any(axis=1))
 
 
 def lacks_red(fits: PlateFits, options: JudgementOptions = JudgementOptions()) -> Mask:

@@ -162,6 +162,15 @@ def _patches(
     return _sample(pyramid, image_from_plate, halvings, grid), levels
 
 
+def fit_under_blurs(pyramid: Pyramid, image_from_plate: Array, blurs_px: tuple[float, ...]) -> PlateFits:
+    """The same plates fitted under every blur from one sampling; blur by blur, shape (B * P, ...)."""
+    px_per_u = local_px_per_u(image_from_plate)
+    samples = _sample(pyramid, image_from_plate, np.zeros(len(image_from_plate), dtype=np.int64), PatchGrid.FINE)
+    levels = blur_level(np.divide.outer(np.array(blurs_px), px_per_u)).ravel()
+    times = len(blurs_px)
+    return _solve(np.tile(samples, (times, 1, 1)), levels, PatchGrid.FINE, np.tile(image_from_plate, (times, 1, 1)))
+
+
 def cell_residuals(pyramid: Pyramid, fits: PlateFits, blur_px: Array) -> Array:
     """Root mean square of samples minus model in each dot's cell, all channels, shape (P, 16), linear light.
 

@@ -89,4 +89,5 @@ def _text(canvas: Pixels, text: str, corners_px: Points, colour: tuple[int, int,
 
 def _fixed(points_px: Points) -> npt.NDArray[np.int32]:
     limited = np.clip(points_px, -1e5, 1e5)  # OpenCV's fixed point holds no more
-    return np.rint(limited * 2**SUBPIXEL_BITS).astype(np.int32)
+    result: npt.NDArray[np.int32] = np.rint(limited * 2**SUBPIXEL_BITS).astype(np.int32)
+    return result

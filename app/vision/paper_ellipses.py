@@ -15,6 +15,8 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
+GRID_PX = 0.5  # Canny's edges lie on whole pixels
+
 
 @dataclass(frozen=True)
 class EllipseOptions:
@@ -25,9 +27,14 @@ class EllipseOptions:
     red_gain : float
         Of the custom channel ``gain * (R - max(G, B))``: 2 spreads the print's red, 164 above green and blue in full
         light, over the 8-bit range even at half of the light.
+    smoothing_px : float
+        Standard deviation of the Gaussian that Canny's method begins with and OpenCV's leaves out: one pixel, which
+        dots of two pixels' radius still survive.
     canny_low, canny_high : float
         Hysteresis thresholds on the custom channel's gradient (Sobel, L1). 60 and 150 are a step of 15 and of 38
         levels, a tenth and a quarter of a well-lit red dot.
+    red_min : float
+        Least level of the custom channel in an ellipse's middle: the step that the upper threshold asks of an edge.
     axis_ratio_min : float
         Smallest minor over major axis: a dot seen at 73 degrees.
     area_min_px2 : float
@@ -42,8 +49,10 @@ class EllipseOptions:
     """
 
     red_gain: float = 2.0
+    smoothing_px: float = 1.0
     canny_low: float = 60.0
     canny_high: float = 150.0
+    red_min: float = 38.0
     axis_ratio_min: float = 0.3
     area_min_px2: float = 10.0
     area_max_share: float = 0.02
@@ -87,7 +96,9 @@ def red_channel(bgr: Pixels, gain: float) -> Pixels:
 
 def find_ellipses(bgr: Pixels, options: EllipseOptions) -> list[Ellipse]:
     """Ellipses of the red dots' edges that are large enough and not too flat."""
-    edges = cv2.Canny(red_channel(bgr, options.red_gain), options.canny_low, options.canny_high)
+    red = red_channel(bgr, options.red_gain)
+    smooth = cv2.GaussianBlur(red, (0, 0), options.smoothing_px)
+    edges = cv2.Canny(smooth, options.canny_low, options.canny_high)
     # A closed edge has an outer and an inner contour: the outer one of each edge is taken.
     contours, hierarchy = cv2.findContours(edges, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     area_max_px2 = options.area_max_share * bgr.shape[0] * bgr.shape[1]
@@ -100,7 +111,9 @@ def find_ellipses(bgr: Pixels, options: EllipseOptions) -> list[Ellipse]:
         if ellipse is None or not options.area_min_px2 <= ellipse.area_px2 <= area_max_px2:
             continue
         major_px, minor_px = ellipse.semi_axes_px
-        if minor_px >= options.axis_ratio_min * major_px and _fits(ellipse, points_px, options.fit_error_max):
+        if minor_px < options.axis_ratio_min * major_px or not _fits(ellipse, points_px, options.fit_error_max):
+            continue
+        if _level_at(red, ellipse.centre_px) >= options.red_min:
             ellipses.append(ellipse)
     return ellipses
 
@@ -142,4 +155,8 @@ def _fits(ellipse: Ellipse, points_px: Array, error_max: float) -> bool:
     return error_px <= error_max * minor_px + GRID_PX
 
 
-GRID_PX = 0.5  # Canny's edges lie on whole pixels
+def _level_at(channel: Pixels, point_px: Array) -> float:
+    """Value of the nearest pixel; 0 outside of the picture."""
+    column, row = np.rint(point_px).astype(int)
+    inside = 0 <= row < channel.shape[0] and 0 <= column < channel.shape[1]
+    return float(channel[row, column]) if inside else 0.0

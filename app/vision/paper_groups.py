@@ -103,7 +103,7 @@ def arrange(centres_px: Array, options: GroupOptions) -> list[int] | None:
         rest = [i for i in range(BASE_COUNT) if i not in pair]
         for a in rest:
             d, e = (i for i in rest if i != a)
-            b, c = sorted(pair, key=lambda i: float(np.linalg.norm(centres_px[i] - centres_px[a])))  # noqa: B023
+            b, c = sorted(pair, key=lambda i: float(np.linalg.norm(centres_px[i] - centres_px[a])))
             if is_target(centres_px[[a, b, c, d, e]], options):
                 return _named((a, b, c, d, e), centres_px)
     return None

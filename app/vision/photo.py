@@ -169,7 +169,7 @@ def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
             f"the header promises {header.width_px} x {header.height_px} px, the pixels are "
             f"{bgr.shape[1]} x {bgr.shape[0]}: copy the photograph again"
         )
-    return Photo(bgr, header)
+    return Photo(np.asarray(bgr, dtype=np.uint8), header)
 
 
 def _open(data: bytes) -> Image.Image:

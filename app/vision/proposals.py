@@ -88,8 +88,7 @@ def _convex(corners_px: Array) -> npt.NDArray[np.bool_]:
     side = np.roll(corners_px, -1, axis=1) - corners_px
     following = np.roll(side, -1, axis=1)
     turn = side[..., 0] * following[..., 1] - side[..., 1] * following[..., 0]
-    result: npt.NDArray[np.bool_] = (turn > 0).all(axis=1)
-    return result
+    return np.asarray((turn > 0).all(axis=1))
 
 
 def _in_front(image_from_plate: Array, options: ProposalOptions) -> npt.NDArray[np.bool_]:

@@ -1,0 +1,123 @@
+"""From measured plates to targets: digits to codes, one target per code, and a reason for whatever is refused."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from app.geometry.observations import Rejected, TargetObservation
+from app.targets.family import UNDECODABLE, CodeFamily
+from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+from app.vision.centres import DotCentres
+from app.vision.inks import HIDDEN_DIGIT, InkReading
+from app.vision.judgement import COLOUR_REASONS, REASON_TEXT, Judgement
+from app.vision.measurement import PlateFits
+
+Strictness = Literal["strict", "normal", "eager"]
+DIGITS = list(DIGIT_CELLS)
+
+
+@dataclass(frozen=True)
+class ReadingOptions:
+    """How digits become a code.
+
+    Attributes
+    ----------
+    confidence_min : float
+        A digit nearer than this to the border between two inks is taken as hidden (1 is a typical distance).
+    report_explained_min : float
+        Groups that fail on colour are reported only if the plate's model explains this much of them: half.
+    """
+
+    confidence_min: float = 0.35
+    report_explained_min: float = 0.5
+
+    def max_corrections(self, strictness: Strictness) -> int:
+        """Misread digits that may be mended: none, one (then two or three wrong are still refused), or two."""
+        return {"strict": 0, "normal": 1, "eager": 2}[strictness]
+
+
+@dataclass(frozen=True)
+class MeasuredPlates:
+    """Candidates of one photograph, measured and judged, before their codes are read; P of each."""
+
+    fits: PlateFits
+    dots: DotCentres
+    inks: InkReading
+    judgement: Judgement
+
+
+@dataclass(frozen=True)
+class CodeBook:
+    """Which codes are believed.
+
+    Attributes
+    ----------
+    family : CodeFamily
+    strictness : str
+        ``strict`` mends no digit, ``normal`` one, ``eager`` two; ``normal`` does not both mend and fill.
+    known_codes : frozenset of int or None
+        The codes that the site holds: a mended code must be among them. Unmended ones are reported all the same.
+    """
+
+    family: CodeFamily
+    strictness: Strictness
+    known_codes: frozenset[int] | None
+
+    def objection(self, code: int, corrected: int, erased: int) -> str:
+        """Why a decoded word is not believed; empty when it is."""
+        if code == UNDECODABLE:
+            return "code-not-in-family"
+        if corrected and self.known_codes is not None and code not in self.known_codes:
+            return "code-not-in-family"
+        # A word that is partly hidden and partly wrong is near to many codes.
+        if corrected and erased and self.strictness != "eager":
+            return "unreadable"
+        return ""
+
+
+def read_plates(
+    plates: MeasuredPlates, book: CodeBook, options: ReadingOptions = ReadingOptions()
+) -> tuple[tuple[TargetObservation, ...], tuple[Rejected, ...]]:
+    """Targets and refusals; of two plates with one code the better fit stands and the other is reported."""
+    digits = np.where(plates.inks.confidence < options.confidence_min, HIDDEN_DIGIT, plates.inks.digits)
+    # A dot outside the photograph is hidden, whatever its border pixels look like.
+    digits = np.where(plates.dots.inside[:, DIGITS], digits, HIDDEN_DIGIT).astype(np.int8)
+    hidden = (digits == HIDDEN_DIGIT).sum(axis=1)
+    decoded = np.stack(book.family.decode_many(digits, options.max_corrections(book.strictness)), axis=1)
+    explained = plates.fits.explained()
+    targets: dict[int, TargetObservation] = {}
+    rejected: list[Rejected] = []
+    for plate in np.argsort(-explained, kind="stable"):
+        code, corrected, erased = (int(value) for value in decoded[plate])
+        reason = plates.judgement.reasons[plate] or book.objection(code, corrected, erased)
+        if reason == "code-not-in-family" and hidden[plate] >= book.family.distance:
+            reason = "unreadable"
+        if not reason and code in targets:
+            reason = "duplicate-code"
+        if not reason:
+            targets[code] = _target(plates, plate, (code, corrected, erased))
+        elif reason not in COLOUR_REASONS or explained[plate] > options.report_explained_min:
+            rejected.append(_rejected(plates, plate, reason, code if reason == "duplicate-code" else None))
+    return tuple(targets.values()), tuple(rejected)
+
+
+def _target(plates: MeasuredPlates, plate: np.intp, decoded: tuple[int, int, int]) -> TargetObservation:
+    code, corrected, erased = decoded
+    return TargetObservation(
+        code=code,
+        centres_px=plates.dots.centres_px[plate],
+        covariances_px2=plates.dots.covariances_px2[plate],
+        measured=plates.dots.measured[plate],
+        corrected=corrected,
+        erased=erased,
+        rms_px=float(plates.judgement.rms_px[plate]),
+    )
+
+
+def _rejected(plates: MeasuredPlates, plate: np.intp, reason: str, code: int | None) -> Rejected:
+    corners_px: npt.NDArray[np.float64] = plates.dots.centres_px[plate][list(BASE_CELLS[:4])]
+    return Rejected(reason, corners_px.mean(axis=0), REASON_TEXT[reason], code, corners_px)
