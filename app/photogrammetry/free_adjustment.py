@@ -11,9 +11,10 @@ from app.photogrammetry.bundle import BundleOptions, adjust_bundle
 from app.photogrammetry.bundle_normals import squared_residuals
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.equations import PoseEquations
-from app.photogrammetry.growth import Growth
+from app.photogrammetry.growth import Growth, GrowthOptions
 from app.photogrammetry.network import POSE_COUNT, Network
 from app.photogrammetry.robust import MEDIAN_LENGTH_2D, RobustLoss, robust_scale
+from app.photogrammetry.sightings import Sightings
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.intp]
@@ -53,15 +54,20 @@ def part_problem(problem: BundleProblem, part: Part) -> BundleProblem:
     )
 
 
+def rows_among(sightings: Sightings, part: Part) -> Index:
+    """Rows of the sightings that ``Sightings.among`` keeps for a part, in its order."""
+    return np.flatnonzero(np.isin(sightings.photo, part.photos) & np.isin(sightings.target, part.targets))
+
+
 def adjust_growth(growth: Growth) -> Growth:
     """Adjust what stands; targets and photographs that have strayed are taken out again."""
-    part = _standing(growth)
+    part = standing(growth)
     if not len(part.photos):
         return growth
     problem = part_problem(growth.problem, part)
     network = growth.network.among(part.photos, part.targets)
     problem = replace(problem, photo_poses=held_photo(network, 0))
-    network = _adjusted(problem, network, growth)
+    network = adjust_robustly(problem, network, growth.options)
     squared = squared_residuals(problem, network)
     growth = replace(
         growth,
@@ -71,7 +77,7 @@ def adjust_growth(growth: Growth) -> Growth:
     return _without_strays(_with_mirrors_moved(growth, part), problem, part, squared)
 
 
-def _standing(growth: Growth) -> Part:
+def standing(growth: Growth) -> Part:
     """Decided targets that two oriented photographs see, and the photographs that see any of them."""
     every = growth.problem.sightings
     seen = every.select(growth.oriented[every.photo] & growth.decided[every.target])
@@ -80,13 +86,13 @@ def _standing(growth: Growth) -> Part:
     return Part(photos, targets)
 
 
-def _adjusted(problem: BundleProblem, network: Network, growth: Growth) -> Network:
-    """Adjusted twice, the second time with a loss as narrow as the residuals of the first allow."""
+def adjust_robustly(problem: BundleProblem, network: Network, options: GrowthOptions) -> Network:
+    """The network adjusted twice, the second time with a loss as narrow as the residuals of the first allow."""
     for _ in range(2):
         squared = squared_residuals(problem, network)[problem.sightings.measured]
-        width = growth.options.loss_width * max(robust_scale(squared), 1.0)
-        options = BundleOptions(loss=RobustLoss("cauchy", width), most_steps=growth.options.adjustment_steps)
-        network = adjust_bundle(problem, network, options).network
+        width = options.loss_width * max(robust_scale(squared), 1.0)
+        steps = BundleOptions(loss=RobustLoss("cauchy", width), most_steps=options.adjustment_steps)
+        network = adjust_bundle(problem, network, steps).network
     return network
 
 

@@ -84,6 +84,10 @@ class Sightings:
         """The same sightings with all standard deviations multiplied by ``sigma0``."""
         return replace(self, whitening_per_px=self.whitening_per_px / sigma0)
 
+    def in_pixels(self) -> Sightings:
+        """The same sightings with every measured dot weighted by one, so that whitened residuals are in px."""
+        return replace(self, whitening_per_px=self.measured[..., None, None] * np.eye(2))
+
     def rays(self) -> Index:
         """How many photographs see each target, shape (T,)."""
         return np.bincount(self.target, minlength=self.target_count)

@@ -1,0 +1,170 @@
+"""What an adjustment knows about its own result: covariances of targets, photographs and cameras, from the factor.
+
+Each target's uncertainty is parted in two: what all targets share, a small similarity of the whole map (the datum), and
+what is its own. The parting is Baarda's S-transformation to the datum of all targets' centres: the similarity is the
+one that fits the errors of all centres best, what it leaves is own.
+Sources: Baarda, S-transformations and criterion matrices, 1973; Teunissen, in Grafarend and Sanso (eds.), Optimization
+and design of geodetic networks, 1985.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from app.geometry.target_map import Datum
+from app.photogrammetry.bundle_normals import normal_equations
+from app.photogrammetry.bundle_problem import BundleProblem
+from app.photogrammetry.equations import PointEquations
+from app.photogrammetry.network import POSE_COUNT, Network
+from app.photogrammetry.reduced_system import ReducedSystem, Unknowns, photo_graph_tree, reduce_normals
+from app.photogrammetry.robust import RobustLoss
+from app.photogrammetry.sightings import Sightings
+
+Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.intp]
+
+SIMILARITY_COUNT = 7
+
+
+@dataclass(frozen=True)
+class PoseCovariances:
+    """Covariances of the whole adjustment, datum included.
+
+    Attributes
+    ----------
+    photos, targets : ndarray of shape (P, 6, 6), (T, 6, 6)
+        Position (m), small rotation (rad), frame axes.
+    border : ndarray of shape (f, f)
+        Of the free shared unknowns: nine intrinsics per camera, then the print scale.
+    """
+
+    photos: Array
+    targets: Array
+    border: Array
+
+
+@dataclass(frozen=True)
+class PartedCovariances:
+    """Own covariances of targets and photographs, and the datum that they share.
+
+    Attributes
+    ----------
+    photos, targets : ndarray of shape (P, 6, 6), (T, 6, 6)
+        Relative to the datum.
+    datum : Datum
+    """
+
+    photos: Array
+    targets: Array
+    datum: Datum
+
+
+def reduced_at(problem: BundleProblem, network: Network, loss: RobustLoss) -> ReducedSystem:
+    """The undamped normal equations at an adjusted network, factored.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When the observations leave something undetermined.
+    """
+    normals = normal_equations(problem, network, loss)
+    return reduce_normals(normals, problem.sightings, problem.free_border, photo_graph_tree(problem.sightings))
+
+
+def pose_covariances(reduced: ReducedSystem, sightings: Sightings) -> PoseCovariances:
+    """Covariances of all poses and shared unknowns, front by front of the inverse.
+
+    Notes
+    -----
+    With V a target's block and W its rows of the other unknowns, of which Z is the inverse of the Schur complement, a
+    target's covariance is V^-1 + V^-1 W' Z W V^-1. All photographs that see a target share a front, so Z is at hand.
+    """
+    photos = np.empty((sightings.photo_count, POSE_COUNT, POSE_COUNT))
+    targets = reduced.target_inverse.copy()
+    factor = reduced.factor
+    eliminated_by = np.empty(sightings.photo_count, dtype=np.intp)
+    for index, node in enumerate(factor.nodes):
+        eliminated_by[node.own] = index
+    first_front = np.full(sightings.target_count, len(factor.nodes))
+    np.minimum.at(first_front, sightings.target, eliminated_by[sightings.photo])
+    by_target = sightings_by_target(sightings)
+    for front in factor.inverse_fronts():
+        own = len(factor.nodes[front.node].own)
+        blocks = front.inverse[: POSE_COUNT * own, : POSE_COUNT * own].reshape(own, POSE_COUNT, own, POSE_COUNT)
+        photos[front.photos[:own]] = blocks[np.arange(own), :, np.arange(own)]
+        place = np.full(sightings.photo_count, -1)
+        place[front.photos] = np.arange(len(front.photos))
+        for target in np.flatnonzero(first_front == front.node):
+            rows = by_target[target]
+            gain, unknowns = _gain(reduced, sightings, rows, place)
+            targets[target] += gain @ front.inverse[np.ix_(unknowns, unknowns)] @ gain.T
+    return PoseCovariances(photos, targets, factor.border_inverse())
+
+
+def sightings_by_target(sightings: Sightings) -> list[Index]:
+    """Rows of each target's sightings, a list of T."""
+    order = np.argsort(sightings.target, kind="stable")
+    return np.split(order, np.cumsum(sightings.rays())[:-1])
+
+
+def _gain(reduced: ReducedSystem, sightings: Sightings, rows: Index, place: Index) -> tuple[Array, Index]:
+    """Derivative of one target by the other unknowns that it meets, and the places of these in a front."""
+    target = sightings.target[rows[0]]
+    border_count = len(reduced.factor.border)
+    blocks = reduced.photo_target.data[rows]  # one block per sighting, in the order of the sightings
+    coupled = np.concatenate(
+        [np.concatenate(list(blocks)), reduced.target_border[POSE_COUNT * target : POSE_COUNT * (target + 1)].T]
+    )
+    held = place[sightings.photo[rows]]
+    photos = (POSE_COUNT * held[:, None] + np.arange(POSE_COUNT)).ravel()
+    border = POSE_COUNT * int((place >= 0).sum()) + np.arange(border_count)
+    return -reduced.target_inverse[target] @ coupled.T, np.concatenate([photos, border])
+
+
+def part_datum(
+    covariances: PoseCovariances, reduced: ReducedSystem, network: Network, defining: npt.NDArray[np.bool_]
+) -> PartedCovariances:
+    """Part covariances into own and shared, by the similarity of the defining targets' centres, mask of shape (T,)."""
+    centres_m = network.target_positions_m[defining]
+    origin_m = centres_m.mean(axis=0)
+    frame = Datum(origin_m, np.zeros((SIMILARITY_COUNT, SIMILARITY_COUNT)))
+    design = frame.point_jacobian(centres_m).reshape(-1, SIMILARITY_COUNT)
+    weights = np.zeros((len(defining), POSE_COUNT, SIMILARITY_COUNT))
+    weights[defining, :3] = (design @ np.linalg.inv(design.T @ design)).reshape(-1, 3, SIMILARITY_COUNT)
+    rows = weights.reshape(-1, SIMILARITY_COUNT)
+    with_datum = reduced.solve(_of_targets(reduced, network, rows))
+    shared = rows.T @ with_datum.targets
+    datum = Datum(origin_m, (shared + shared.T) / 2.0)
+    photos = _own(covariances.photos, with_datum.photos, datum, network.photo_positions_m)
+    targets = _own(covariances.targets, with_datum.targets, datum, network.target_positions_m)
+    return PartedCovariances(photos, targets, datum)
+
+
+def _own(covariances: Array, with_datum: Array, datum: Datum, positions_m: Array) -> Array:
+    """Covariances (n, 6, 6) after the datum's part is taken off; ``with_datum`` (6 n, 7) are covariances with it."""
+    follows = np.zeros((len(positions_m), POSE_COUNT, SIMILARITY_COUNT))
+    follows[:, :3] = datum.point_jacobian(positions_m)
+    follows[:, 3:, 3:POSE_COUNT] = np.eye(3)
+    across = with_datum.reshape(-1, POSE_COUNT, SIMILARITY_COUNT) @ np.swapaxes(follows, -1, -2)
+    shared = follows @ datum.covariance @ np.swapaxes(follows, -1, -2)
+    own = covariances - across - np.swapaxes(across, -1, -2) + shared
+    return np.asarray((own + np.swapaxes(own, -1, -2)) / 2.0)
+
+
+def point_covariance(reduced: ReducedSystem, network: Network, points: PointEquations) -> Array:
+    """Joint covariance of points on targets, shape (3 K, 3 K), frame axes."""
+    jacobian = points.jacobian(network)[..., :POSE_COUNT] * points.sigma_m[:, None, None]  # the points' own, in metres
+    targets = np.zeros((len(network.target_rotations), POSE_COUNT, len(points), 3))
+    targets[points.target, :, np.arange(len(points))] = np.swapaxes(jacobian, -1, -2)
+    rows = targets.reshape(-1, 3 * len(points))
+    return np.asarray(rows.T @ reduced.solve(_of_targets(reduced, network, rows)).targets)
+
+
+def _of_targets(reduced: ReducedSystem, network: Network, targets: Array) -> Unknowns:
+    """Right-hand sides (6 T, k) that concern targets alone."""
+    columns = targets.shape[1]
+    photos = np.zeros((POSE_COUNT * len(network.photo_rotations), columns))
+    return Unknowns(photos, targets, np.zeros((len(reduced.factor.border), columns)))
