@@ -31,8 +31,8 @@ class EllipseOptions:
         Standard deviation of the Gaussian that Canny's method begins with and OpenCV's leaves out: one pixel, which
         dots of two pixels' radius still survive.
     canny_low, canny_high : float
-        Hysteresis thresholds on the custom channel's gradient (Sobel, L1). 60 and 150 are a step of 15 and of 38
-        levels, a tenth and a quarter of a well-lit red dot.
+        Hysteresis thresholds on the custom channel's gradient (Sobel, L1). 60 and 150 are steps of 15 and of 38 levels:
+        a twentieth of the range, which noise seldom reaches once smoothed, and an eighth.
     red_min : float
         Least level of the custom channel in an ellipse's middle: the step that the upper threshold asks of an edge.
     axis_ratio_min : float

@@ -31,10 +31,11 @@ class GroupOptions:
         Largest semi-major over smallest semi-minor axis of the five: the paper's 2.
     off_line_max : float
         How far E, and the midpoint of B and D, may lie off the diagonal, over the diagonal's length. The midpoint
-        leaves it by perspective alone: by 0.05 for a plate seen at 60 degrees from five times its size.
+        leaves it by perspective alone: by 0.04 for a plate seen at 60 degrees from two and a half times its size; half
+        a pixel on the diagonal of the smallest plates is another 0.02.
     cross_ratio_tolerance : float
-        A dot's centre errs by half a pixel at most, a thirtieth of the diagonal of the smallest plates: 0.15 in the
-        cross-ratio.
+        Half a pixel in the places of E and f, on a diagonal of 14 px (the smallest plates, seen at 60 degrees), changes
+        the cross-ratio by 0.11.
     """
 
     axes_ratio_max: float = 2.0
@@ -114,6 +115,8 @@ def is_target(abcde_px: Array, options: GroupOptions) -> bool:
     a, b, c, d, e = abcde_px
     diagonal_px = c - b
     length2_px2 = float(diagonal_px @ diagonal_px)
+    if length2_px2 == 0.0:
+        return False
 
     def off_line(point_px: Array) -> float:
         return float(cross(diagonal_px, point_px - b)) / length2_px2
@@ -124,10 +127,11 @@ def is_target(abcde_px: Array, options: GroupOptions) -> bool:
     if side_d * side_e >= 0:
         return False
     f = d + side_d / (side_d - side_e) * (e - d)  # where the other diagonal crosses (eq. 4-5)
-    at_a, at_f = (float((point - b) @ diagonal_px) / length2_px2 for point in (a, f))  # b is at 0, c at 1
+    at_a, at_f = (float((point - b) @ diagonal_px) / length2_px2 for point in (a, f))  # along b c
     if at_a in (0.0, 1.0) or at_f in (0.0, 1.0):
         return False
-    cross_ratio = ((at_f - at_a) * (1.0 - 0.0)) / ((1.0 - at_a) * (at_f - 0.0))  # eq. 6: (af * bc) / (ac * bf)
+    at_b, at_c = 0.0, 1.0
+    cross_ratio = ((at_f - at_a) * (at_c - at_b)) / ((at_c - at_a) * (at_f - at_b))  # eq. 6: (af * bc) / (ac * bf)
     return abs(cross_ratio - CROSS_RATIO) <= options.cross_ratio_tolerance
 
 

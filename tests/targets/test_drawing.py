@@ -15,7 +15,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def expected_colours(code: int) -> dict[int, tuple[int, int, int]]:
     by_digit = {0: BLACK_RGB, 1: GREEN_RGB, 2: WHITE_RGB}
-    colours = {cell: RED_RGB for cell in BASE_CELLS}
+    colours = dict.fromkeys(BASE_CELLS, RED_RGB)
     return colours | {cell: by_digit[int(d)] for cell, d in zip(DIGIT_CELLS, digits_of_code(code), strict=True)}
 
 
