@@ -91,7 +91,7 @@ def locate_dots(
     near = np.abs(offset_u).max(axis=-1) < options.offset_max_u
     centres_px = apply_homographies(fits.image_from_plate, PLATE_DOTS_U + np.where(near[..., None], offset_u, 0.0))
     jacobians = homography_jacobians(fits.image_from_plate, PLATE_DOTS_U)
-    noise = (fits.residual_rms**2).mean(axis=1)
+    noise = fits.residual_rms**2
     variance_u2 = (noise[:, None] / np.maximum(power, 1.0))[..., None, None] * fits.offset_cofactors
     covariances_px2 = jacobians @ variance_u2 @ jacobians.swapaxes(-1, -2)
     inside = _inside(fits.image_from_plate, size_px, options.border_u)

@@ -36,11 +36,9 @@ class DotOptions:
         Least excess over that, in grey values of 255: above the noise of dark pixels.
     smooth_px : int
         Box that averages the excess: pixel noise must not break a dot or make one.
-    peak_fraction : float
-        A dot ends where its excess falls to this part of the neighbourhood's peak: half, the edge of a blurred disc,
-        which also parts dots whose blurred skirts touch.
     peak_window_px : int
-        Width of that neighbourhood: a small dot and the gap beside it.
+        A dot ends where its excess falls to half the peak within this width, which holds a small dot and the gap
+        beside it: the edge of a blurred disc, and what parts dots whose skirts touch.
     ring_axes, ring_points, ring_fraction : float, int, float
         On a ring of this many major semi-axes most of the points have lost the red: the gap between dots reaches from
         1 to 2 radii.
@@ -55,10 +53,9 @@ class DotOptions:
     red_ratio: float = 1.2
     white_percentile: float = 80.0
     red_gain: tuple[float, float] = (0.6, 1.3)
-    sparse_step_px: int = 16
+    sparse_step_px: int = 24
     red_floor: int = 12
     smooth_px: int = 3
-    peak_fraction: float = 0.5
     peak_window_px: int = 7
     ring_axes: float = 1.7
     ring_points: int = 8
@@ -116,8 +113,9 @@ def _upper_half(excess: Pixels, options: DotOptions) -> Pixels:
     """1 where a pixel belongs to the upper half of its own peak, shape (H, W)."""
     window = np.ones((options.peak_window_px, options.peak_window_px), dtype=np.uint8)
     peak = np.asarray(cv2.dilate(excess, window), dtype=np.uint8)
-    edge = np.asarray(cv2.convertScaleAbs(peak, alpha=options.peak_fraction), dtype=np.uint8)
-    return (excess > np.maximum(edge, options.red_floor)).view(np.uint8)
+    np.right_shift(peak, 1, out=peak)  # half the peak
+    np.maximum(peak, options.red_floor, out=peak)
+    return (excess > peak).view(np.uint8)
 
 
 def _ring_contrast(excess: Pixels, centres_px: Array, semi_axes_px: Array, options: DotOptions) -> Array:

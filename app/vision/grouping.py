@@ -22,6 +22,8 @@ Indices = npt.NDArray[np.intp]
 # Positions along the diagonal in its own pitch, E at 0.
 POSITION_F, POSITION_C = 0.5, 2.0
 
+CLASS_OCTAVES = 2  # blobs are searched by classes of area, each four times the last
+
 
 @dataclass(frozen=True)
 class GroupingOptions:
@@ -87,11 +89,12 @@ def neighbours_of_like_size(blobs: Blobs, options: GroupingOptions) -> tuple[Ind
     nearest = np.zeros((count, options.neighbours), dtype=np.intp)
     alike = np.zeros((count, options.neighbours), dtype=np.bool_)
     area_px2 = blobs.semi_axes_px.prod(axis=1)
-    octave = np.floor(np.log2(area_px2)).astype(np.int64)
-    for size in np.unique(octave):
-        members = np.flatnonzero(octave == size)
+    size_class = np.floor(np.log2(area_px2) / CLASS_OCTAVES).astype(np.int64)
+    for size in np.unique(size_class):
+        members = np.flatnonzero(size_class == size)
         reach = options.area_ratio_max
-        near_size = (area_px2 * reach > 2.0**size) & (area_px2 < reach * 2.0 ** (size + 1))
+        least, most = 2.0 ** (CLASS_OCTAVES * np.array([size, size + 1]))
+        near_size = (area_px2 * reach > least) & (area_px2 < reach * most)
         pool = np.flatnonzero(near_size)
         _, found = cKDTree(blobs.centres_px[pool]).query(blobs.centres_px[members], k=options.neighbours + 1)
         exists = found[:, 1:] < len(pool)  # the tree answers with its length where there are too few

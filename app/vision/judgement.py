@@ -28,7 +28,7 @@ class JudgementOptions:
     red_min : float
         Red amplitude of every base dot, linear light of 255: a dim plate has 7 at a grey value of 60.
     red_over_residual : float
-        The same over what the fit left unexplained in red: above noise.
+        The same over what the fit left unexplained: above noise.
     off_red_max : float
         Green or blue of a base dot over its red: ink has 0.02, over-exposed ink 0.3, skin and wood 0.5 and more.
     uneven_max : float
@@ -156,7 +156,7 @@ def lacks_red(fits: PlateFits, options: JudgementOptions = JudgementOptions()) -
     """Which base dots do not show red, shape (P, 5)."""
     base = fits.amplitudes[:, BASE]
     red = base[..., RED]
-    weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms[:, RED])
+    weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms)
     faint = options.uneven_max * np.median(red, axis=1, keepdims=True)
     off_red = base[..., :RED].max(axis=2) > options.off_red_max * np.maximum(red, 1.0)
     result: Mask = (red < weak[:, None]) | (red < faint) | off_red

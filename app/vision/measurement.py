@@ -85,10 +85,10 @@ class PlateFits:
         The derivative coefficients per channel, linear light per u.
     background : ndarray of shape (P, 3)
         Blue, green, red of the plate's black.
-    residual_rms : ndarray of shape (P, 3)
-        Root mean square of samples minus model per channel.
-    spread_rms : ndarray of shape (P, 3)
-        Root mean square of the samples about their mean: what a fit that explains nothing would leave.
+    residual_rms : ndarray of shape (P,)
+        Root mean square of samples minus model, over all channels.
+    spread_rms : ndarray of shape (P,)
+        Root mean square of the samples about each channel's mean: what a fit that explains nothing would leave.
     offset_cofactors : ndarray of shape (P, 16, 2, 2)
         Cofactors of the derivative coefficients.
     """
@@ -108,8 +108,7 @@ class PlateFits:
 
     def explained(self) -> Array:
         """Part of the samples' variance that the model explains, shape (P,), over all channels."""
-        result: Array = 1.0 - (self.residual_rms**2).sum(axis=1) / np.maximum((self.spread_rms**2).sum(axis=1), 1.0)
-        return result
+        return 1.0 - self.residual_rms**2 / np.maximum(self.spread_rms**2, 1.0)
 
 
 def local_px_per_u(image_from_plate: Array) -> Array:
@@ -152,7 +151,7 @@ def fit_plates(pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: 
 def _patches(
     pyramid: Pyramid, image_from_plate: Array, blur_px: Array, grid: PatchGrid
 ) -> tuple[Array32, npt.NDArray[np.int64]]:
-    """Samples of all patches, shape (P, S, 3), and the template level for each."""
+    """Samples of all patches, shape (P, 3, S), and the template level for each."""
     px_per_u = local_px_per_u(image_from_plate)
     halvings = np.ceil(np.log2(np.maximum(px_per_u / grid.px_per_u_max, 1.0))).astype(np.int64)
     halvings = np.minimum(halvings, len(pyramid.levels) - 1)
@@ -183,55 +182,60 @@ def cell_residuals(pyramid: Pyramid, fits: PlateFits, blur_px: Array) -> Array:
     power = np.empty((len(samples), DOT_COUNT))
     for plate, level in enumerate(levels):
         template = plate_template(grid, int(level))
-        solved = template.cofactors @ (template.design.T @ samples[plate])
-        residual = samples[plate] - template.design @ solved
-        power[plate] = (residual**2).mean(axis=1) @ member
+        solved = samples[plate] @ template.design @ template.cofactors
+        residual = samples[plate] - solved @ template.design.T
+        power[plate] = (residual**2).mean(axis=0) @ member
     result: Array = np.sqrt(power / member.sum(axis=0))
     return result
 
 
 def _sample(pyramid: Pyramid, image_from_plate: Array, halvings: npt.NDArray[np.int64], grid: PatchGrid) -> Array32:
-    """Bilinear samples of all patches in linear light, shape (P, S, 3)."""
-    points_u = grid.points_u()  # (S, 2)
-    homogeneous = np.column_stack([points_u, np.ones(len(points_u))]).astype(np.float32)
-    samples = np.empty((len(image_from_plate), len(points_u), CHANNELS), dtype=np.float32)
+    """Bilinear samples of all patches in linear light, shape (P, 3, S)."""
+    homogeneous = grid.homogeneous_u()
+    samples = np.empty((len(image_from_plate), CHANNELS, len(homogeneous)), dtype=np.float32)
     for halving in np.unique(halvings):
-        chosen = halvings == halving
+        chosen = np.flatnonzero(halvings == halving)
         # Pixel centres stand at integers: the centre of a halved pixel lies between those of its parts.
         factor = 0.5**halving
         shift = 0.5 * factor - 0.5
         level_from_image = np.array([[factor, 0.0, shift], [0.0, factor, shift], [0.0, 0.0, 1.0]])
         level_from_plate = (level_from_image @ image_from_plate[chosen]).astype(np.float32)
-        x, y, w = (homogeneous @ level_from_plate.transpose(0, 2, 1)).transpose(2, 0, 1)
+        x, y, w = (level_from_plate @ homogeneous.T).transpose(1, 0, 2)
         level = pyramid.levels[halving]
         coded = cv2.remap(level, x / w, y / w, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        samples[chosen] = cv2.LUT(coded, LINEAR_FROM_CODED)
+        samples[chosen] = cv2.LUT(coded, LINEAR_FROM_CODED).transpose(0, 2, 1)
     return samples
 
 
 def _solve(samples: Array32, levels: npt.NDArray[np.int64], grid: PatchGrid, image_from_plate: Array) -> PlateFits:
     """Normal equations of all plates; the residuals' power follows from them without forming a residual."""
-    plates, count = samples.shape[:2]
-    coefficients = np.empty((plates, COEFFICIENTS, CHANNELS))
-    explained_power = np.empty((plates, CHANNELS))
+    plates, _, count = samples.shape
+    coefficients = np.empty((plates, CHANNELS, COEFFICIENTS))
+    sums = np.empty((plates, CHANNELS))
+    explained_power = np.empty(plates)
     cofactors = np.empty((plates, DOT_COUNT, 2, 2))
     for level in np.unique(levels):
-        template, chosen = plate_template(grid, int(level)), levels == level
-        right_hand = (template.design.T @ samples[chosen]).astype(np.float64)
-        solved = template.cofactors @ right_hand
-        coefficients[chosen] = solved
-        explained_power[chosen] = (solved * (2.0 * right_hand - template.normals @ solved)).sum(axis=1)
+        template, chosen = plate_template(grid, int(level)), np.flatnonzero(levels == level)
+        # One product for all plates and channels.
+        right_hand = (samples[chosen].reshape(-1, count) @ template.design).astype(np.float64)
+        solved = right_hand @ template.cofactors
+        gained = (solved * (2.0 * right_hand - solved @ template.normals)).sum(axis=1)
+        coefficients[chosen] = solved.reshape(-1, CHANNELS, COEFFICIENTS)
+        explained_power[chosen] = gained.reshape(-1, CHANNELS).sum(axis=1)
+        # The background's constant column is 1 everywhere, so its product is the sum of the samples.
+        sums[chosen] = right_hand[:, BACKGROUND.start].reshape(-1, CHANNELS)
         cofactors[chosen] = template.offset_cofactors
-    power = np.einsum("psc,psc->pc", samples, samples).astype(np.float64)
-    mean = (samples.transpose(0, 2, 1) @ np.ones(count, dtype=np.float32)).astype(np.float64) / count
-    dots = coefficients[:, : BACKGROUND.start].reshape(plates, DOT_COUNT, PER_DOT, CHANNELS)
+    flat = samples.reshape(plates, CHANNELS * count)
+    power = np.einsum("ps,ps->p", flat, flat).astype(np.float64)
+    spread = power - (sums**2).sum(axis=1) / count
+    dots = coefficients[:, :, : BACKGROUND.start].reshape(plates, CHANNELS, DOT_COUNT, PER_DOT)
     return PlateFits(
         image_from_plate=image_from_plate,
         px_per_u=local_px_per_u(image_from_plate),
-        amplitudes=dots[:, :, 0],
-        slopes=dots[:, :, 1:].transpose(0, 1, 3, 2),
-        background=coefficients[:, BACKGROUND.start],
-        residual_rms=np.sqrt(np.maximum(power - explained_power, 0.0) / count),
-        spread_rms=np.sqrt(np.maximum(power / count - mean**2, 0.0)),
+        amplitudes=dots[..., 0].transpose(0, 2, 1),
+        slopes=dots[..., 1:].transpose(0, 2, 1, 3),
+        background=coefficients[:, :, BACKGROUND.start],
+        residual_rms=np.sqrt(np.maximum(power - explained_power, 0.0) / (CHANNELS * count)),
+        spread_rms=np.sqrt(np.maximum(spread, 0.0) / (CHANNELS * count)),
         offset_cofactors=cofactors,
     )

@@ -48,11 +48,17 @@ class PatchGrid(Enum):
         """
         return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.5, PatchGrid.DENSE: 9.0}[self]
 
+    @cache
     def points_u(self) -> Array:
         """Plate coordinates, shape (S, 2), of a patch's samples."""
         axis = np.linspace(-PATCH_REACH_U, PATCH_REACH_U, self.value)
         x, y = np.meshgrid(axis, axis)
         return np.stack([x.ravel(), y.ravel()], axis=1)
+
+    @cache
+    def homogeneous_u(self) -> Array32:
+        """The same with a third coordinate 1, shape (S, 3), float32."""
+        return np.column_stack([self.points_u(), np.ones(self.value**2)]).astype(np.float32)
 
 
 @dataclass(frozen=True)
