@@ -8,7 +8,7 @@ from app.cli.read_photo import read_photo
 from app.photogrammetry.survey import SurveyPhoto
 from app.targets.family import family_by_name
 from app.vision.detector import DetectorOptions, detect
-from app.vision.judgement import Strictness
+from app.vision.reading import Strictness
 
 
 def detect_file(path: Path, family_name: str, strictness: Strictness) -> SurveyPhoto:

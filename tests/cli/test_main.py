@@ -14,7 +14,7 @@ from app.cli import COMMANDS, main
 from app.cli.arguments import FAMILIES, STRICTNESSES, photo_files
 from app.errors import InvalidInput
 from app.targets.family import FAMILY_NAMES
-from app.vision.judgement import Strictness
+from app.vision.reading import Strictness
 
 
 def one_line(text: str) -> str:
