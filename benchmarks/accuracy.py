@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from app.cli.arguments import FAMILIES, at_least_one, photo_files, positive
+from app.cli.in_parallel import in_parallel
 from app.cli.progress import Report, progress
 from app.cli.room import Room, open_room, true_dots_m, true_shots
 from app.errors import ScattermarkError
 from benchmarks.accuracy_tables import print_accuracy
 from benchmarks.coverage_score import score_coverage
-from benchmarks.detecting import DETECTORS, Reading, detect_paths, peak_bytes
+from benchmarks.detecting import DETECTORS, Reading, codes_in, detect_paths, peak_bytes
 from benchmarks.detection_score import score_detections, score_to_json
 from benchmarks.map_score import score_map
 from benchmarks.output import write_json
@@ -89,12 +90,14 @@ def measure(room: Room, reading: Reading, report: Report) -> dict[str, Any]:
 
 def count_false_targets(folder: Path, reading: Reading, report: Report) -> dict[str, Any]:
     """Targets accepted in photographs that hold none."""
-    read = detect_paths(photo_files([folder]), reading, report)
-    accepted = {one.photo.name: [target.code for target in one.photo.detection.targets] for one in read}
+    paths = photo_files([folder])
+    codes = in_parallel(codes_in, paths, (reading,), reading.workers, report)
+    measured = [one for one in codes if one is not None]
     return {
-        "photographs": len(read),
-        "false_targets": sum(map(len, accepted.values())),
-        "where": {name: codes for name, codes in accepted.items() if codes},
+        "photographs": len(measured),
+        "not_measured": len(codes) - len(measured),
+        "false_targets": sum(map(len, measured)),
+        "where": {path.name: one for path, one in zip(paths, codes, strict=True) if one},
     }
 
 

@@ -8,10 +8,10 @@ from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
-from app.photogrammetry.survey import SurveyPhoto
 
 from app.cli.room import TrueShots
 from app.geometry.target_map import TargetMap
+from app.photogrammetry.survey import SurveyPhoto
 
 Array = npt.NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from app.photogrammetry.survey import SurveyPhoto
-
 from app.cli.in_parallel import in_parallel
 from app.cli.progress import Report
 from app.cli.read_photo import read_photo
+from app.errors import UnsupportedPhoto
 from app.geometry.observations import Detection
+from app.photogrammetry.survey import SurveyPhoto
 from app.targets.family import CodeFamily, family_by_name
 from app.vision.detector import Pixels, detect
 from benchmarks.memory import peak_rss_bytes
@@ -54,6 +54,14 @@ def detect_path(path: Path, reading: Reading) -> Read:
     photo = read_photo(path)
     detection = detect_with(reading.detector, photo.bgr, family_by_name(reading.family_name))
     return Read(SurveyPhoto(path.name, photo.identity, detection), peak_rss_bytes())
+
+
+def codes_in(path: Path, reading: Reading) -> list[int] | None:
+    """Codes that are read in a photograph; None for one that is not measured at all, as a grey one."""
+    try:
+        return [target.code for target in detect_path(path, reading).photo.detection.targets]
+    except UnsupportedPhoto:
+        return None
 
 
 def detect_paths(paths: Sequence[Path], reading: Reading, report: Report) -> list[Read]:

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from app.photogrammetry.survey import SurveyPhoto
 
 from app.cli.room import TrueShot, TrueShots
 from app.geometry.observations import Detection, TargetObservation
+from app.photogrammetry.survey import SurveyPhoto
 from app.targets.layout import BASE_CELLS, PLATE_SIDE_U, dot_centres_u
 
 Array = npt.NDArray[np.float64]

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.photogrammetry.survey import PlateSpec, SurveyPhoto, SurveyResult, adjust_survey
-
 from app.cli.build import read_control
 from app.cli.locate_photo import detect_in_map, known_cameras, resect_in_map
 from app.cli.progress import Report
@@ -17,6 +15,7 @@ from app.cli.room import Room
 from app.errors import NotLocated
 from app.geometry.control import ControlPoint
 from app.geometry.map_file import MapCamera, MapFile
+from app.photogrammetry.survey import PlateSpec, SurveyPhoto, SurveyResult, adjust_survey
 from benchmarks.memory import peak_rss_bytes
 from benchmarks.pose_score import EstimatedPose
 
