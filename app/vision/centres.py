@@ -85,9 +85,9 @@ def locate_dots(
     between an ellipse's centre and the image of the circle's centre does not arise.
     """
     amplitudes = fits.amplitudes @ YCC_FROM_BGR.T
-    slopes = np.einsum("ij,pdjc->pdic", YCC_FROM_BGR, fits.slopes)
+    slopes = fits.slopes @ YCC_FROM_BGR.T
     power = (amplitudes**2).sum(axis=-1)
-    offset_u = np.einsum("pdi,pdic->pdc", amplitudes, slopes) / np.maximum(power, 1.0)[..., None]
+    offset_u = (slopes * amplitudes[:, :, None]).sum(axis=-1) / np.maximum(power, 1.0)[..., None]
     near = np.abs(offset_u).max(axis=-1) < options.offset_max_u
     centres_px = apply_homographies(fits.image_from_plate, PLATE_DOTS_U + np.where(near[..., None], offset_u, 0.0))
     jacobians = homography_jacobians(fits.image_from_plate, PLATE_DOTS_U)

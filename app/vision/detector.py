@@ -16,7 +16,6 @@ from app.geometry.observations import Detection
 from app.targets.family import CodeFamily
 from app.vision.centres import (
     CentreOptions,
-    DotCentres,
     calibrate_covariances,
     locate_dots,
     refine_homographies,
@@ -27,7 +26,6 @@ from app.vision.hidden_dots import HiddenDotOptions, complete_groups
 from app.vision.homography import image_from_corner_dots
 from app.vision.inks import InkOptions, read_inks
 from app.vision.judgement import (
-    Judgement,
     JudgementOptions,
     judge_plates,
     lacks_red,
@@ -35,7 +33,8 @@ from app.vision.judgement import (
     missing_in_plain_view,
     one_dot_one_target,
 )
-from app.vision.measurement import PlateFits, Pyramid, cell_residuals, fit_plates, fit_under_blurs, measure_plates
+from app.vision.measurement import PlateFits, cell_residuals, fit_patches, fit_under_blurs, measure_plates
+from app.vision.patches import Pyramid, take_patches
 from app.vision.proposals import ProposalOptions, promising
 from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates
 from app.vision.template import PatchGrid
@@ -66,7 +65,7 @@ class DetectorOptions:
     strictness: Strictness = "normal"
     blur_px: float = 0.7
     blurs_px: tuple[float, ...] = (0.45, 0.75, 1.3, 2.2)
-    blur_plates: int = 7
+    blur_plates: int = 5
     dots: DotOptions = field(default_factory=DotOptions)
     grouping: GroupingOptions = field(default_factory=GroupingOptions)
     hidden_dots: HiddenDotOptions = field(default_factory=HiddenDotOptions)
@@ -117,18 +116,24 @@ def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: D
     """Fit all candidates, keep those that share no dot with a better one, fit them again from the refined places."""
     # At first sight single pixels of the full photograph tell colours and places well enough.
     full = Pyramid.of(bgr, 1)
-    rough = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
-    first = fit_plates(full, rough, np.full(len(rough), options.blur_px), PatchGrid.ROUGH)
+    rough = take_patches(full, image_from_corner_dots(blobs.centres_px[groups[:, :4]]), PatchGrid.ROUGH)
+    first = fit_patches(rough, np.full(len(groups), options.blur_px))
     first = first.select(one_dot_one_target(groups, first.explained()))
     refined = _refined(first, full.size_px, options)
-    blur_px = np.full(len(refined), _choose_blur(full, refined, options))
+    blur_px = _choose_blur(full, refined, options)
     pyramid = _pyramid(bgr, first, options)
     fits = measure_plates(pyramid, refined, blur_px)
     inks = read_inks(fits.amplitudes, options.inks)
     dots = locate_dots(fits, inks, full.size_px, options.centres)
     refined = refine_homographies(fits, dots)
     judgement = judge_plates(fits, dots, inks, refined, options.judgement)
-    judgement = _refuse_missing(pyramid, fits, dots, judgement, options)
+    suspects = np.flatnonzero(judgement.stands & lacks_red(fits, options.judgement).any(axis=1))
+    if len(suspects):
+        # A hidden base dot is forgiven, a missing one is not.
+        residuals = cell_residuals(pyramid, fits.image_from_plate[suspects], blur_px)
+        few, few_dots = fits.select(suspects), dots.select(suspects)
+        missing = suspects[missing_in_plain_view(few, few_dots, residuals, options.judgement)]
+        judgement = judgement.refuse(missing, "base-dot-missing")
     dots = calibrate_covariances(dots, refined, judgement.stands, options.centres)
     return MeasuredPlates(fits, dots, inks, judgement)
 
@@ -153,16 +158,3 @@ def _pyramid(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Pyramid
     likely = first.explained() > options.judgement.explained_min
     largest = float(first.px_per_u[likely].max(initial=1.0))
     return Pyramid.of(bgr, 1 + int(np.ceil(np.log2(max(largest / PatchGrid.DENSE.px_per_u_max, 1.0)))))
-
-
-def _refuse_missing(
-    pyramid: Pyramid, fits: PlateFits, dots: DotCentres, judgement: Judgement, options: DetectorOptions
-) -> Judgement:
-    """A hidden base dot is forgiven, a missing one is not: look again at the plates that lack one."""
-    suspects = np.flatnonzero(judgement.stands & lacks_red(fits, options.judgement).any(axis=1))
-    if not len(suspects):
-        return judgement
-    few = fits.select(suspects)
-    residuals = cell_residuals(pyramid, few, np.full(len(suspects), options.blur_px))
-    missing = missing_in_plain_view(few, dots.select(suspects), residuals, options.judgement)
-    return judgement.refuse(suspects[missing], "base-dot-missing")

@@ -175,8 +175,9 @@ def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
 def _open(data: bytes) -> Image.Image:
     try:
         with warnings.catch_warnings():
-            # Pillow warns of bombs by its own limit; ours is checked on the same header.
+            # Pillow warns of bombs by its own limit, ours is checked on the same header; and of damaged EXIF.
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            warnings.simplefilter("ignore", UserWarning)
             return Image.open(io.BytesIO(data))
     except Image.DecompressionBombError as error:
         raise PhotoTooLarge("the header promises an enormous picture: send it at a smaller size") from error
@@ -187,8 +188,11 @@ def _open(data: bytes) -> Image.Image:
 def _exif(image: Image.Image) -> dict[int, Any]:
     """EXIF tags of the picture and its camera block; empty when absent or damaged (the pixels are still good)."""
     try:
-        exif = image.getexif()
-        return {**dict(exif), **exif.get_ifd(ExifTags.IFD.Exif)}
+        with warnings.catch_warnings():
+            # Pillow warns of damaged entries that it skips: what is left of the block is still good.
+            warnings.simplefilter("ignore", UserWarning)
+            exif = image.getexif()
+            return {**dict(exif), **exif.get_ifd(ExifTags.IFD.Exif)}
     except HEADER_ERRORS:  # a damaged EXIF block only costs the camera's name
         return {}
 

@@ -38,15 +38,21 @@ class PatchGrid(Enum):
 
     ROUGH = 21  # every 0.64 u: three samples across a dot tell its colour and its place to a tenth of its radius
     FINE = 33  # every 0.4 u: five samples across a dot
-    DENSE = 65  # every 0.2 u, for large plates
+    DENSE = 49  # every 0.27 u, for large plates
 
     @property
     def px_per_u_max(self) -> float:
-        """Largest plate that the grid does justice to: samples stand 1.8 px apart there, so that none falls between.
+        """Largest plate that the grid does justice to: samples stand 2 px apart there, so that none falls between.
 
         The rough grid looks at single pixels of any plate.
         """
-        return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.5, PatchGrid.DENSE: 9.0}[self]
+        return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.8, PatchGrid.DENSE: 7.5}[self]
+
+    @cache
+    def cell_members(self) -> Array32:
+        """Which samples lie in each dot's cell, shape (S, 16), 0 or 1."""
+        cells = np.linalg.norm(self.points_u()[:, None] - PLATE_DOTS_U, axis=2).argmin(axis=1)
+        return (cells[:, None] == np.arange(DOT_COUNT)).astype(np.float32)
 
     @cache
     def points_u(self) -> Array:

@@ -1,0 +1,131 @@
+"""Pictures of plates resampled in plate coordinates, in linear light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from app.vision.homography import area_scales, homography_jacobians
+from app.vision.template import PatchGrid, blur_level
+
+Array = npt.NDArray[np.float64]
+Array32 = npt.NDArray[np.float32]
+Pixels = npt.NDArray[np.uint8]
+
+CHANNELS = 3
+CENTRE_U = np.zeros((1, 2))
+# Variance, in its own pixels, that a pixel adds to a picture: its box, and the triangle of bilinear sampling.
+PIXEL_VARIANCE = 1.0 / 12.0 + 1.0 / 6.0
+
+
+def linear_from_coded() -> Array32:
+    """Linear light, 0 ... 255, of sRGB-coded grey values: blur is linear in light, and so are ink and illumination.
+
+    Phones' tone curves differ from sRGB's, but all of them widen bright dots on black, which this undoes.
+    """
+    coded = np.arange(256) / 255.0
+    linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
+    return (255.0 * linear).astype(np.float32)
+
+
+LINEAR_FROM_CODED = linear_from_coded()
+
+
+@dataclass(frozen=True)
+class Pyramid:
+    """A photograph at full and halved sizes, so that a patch's samples stand 1-2 px apart at any plate size.
+
+    Attributes
+    ----------
+    levels : tuple of ndarray
+        ``levels[k]`` has every pixel averaged over 2^k x 2^k.
+    """
+
+    levels: tuple[Pixels, ...]
+
+    @classmethod
+    def of(cls, bgr: Pixels, count: int) -> Pyramid:
+        """Build ``count`` levels, or as many as leave a pixel."""
+        levels = [bgr]
+        while len(levels) < count and min(levels[-1].shape[:2]) >= 2:
+            # Whole blocks of 2 x 2 only: an odd last row or column would shift the grid.
+            even = levels[-1][: levels[-1].shape[0] // 2 * 2, : levels[-1].shape[1] // 2 * 2]
+            half = cv2.resize(even, (even.shape[1] // 2, even.shape[0] // 2), interpolation=cv2.INTER_AREA)
+            levels.append(np.asarray(half, dtype=np.uint8))
+        return cls(tuple(levels))
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height of the photograph."""
+        return self.levels[0].shape[1], self.levels[0].shape[0]
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Samples of P plates on one grid.
+
+    Attributes
+    ----------
+    samples : ndarray of shape (P, 3, S), float32
+        Blue, green, red in linear light of 0 ... 255.
+    image_from_plate : ndarray of shape (P, 3, 3)
+        The homographies they were taken with.
+    px_per_u : ndarray of shape (P,)
+        Local scale at the plate's centre: the square root of the area of a square u.
+    pixel_px2 : ndarray of shape (P,)
+        Variance that the larger pixels of a halved photograph add to the blur.
+    grid : PatchGrid
+    """
+
+    samples: Array32
+    image_from_plate: Array
+    px_per_u: Array
+    pixel_px2: Array
+    grid: PatchGrid
+
+    def levels(self, blur_px: Array) -> npt.NDArray[np.int64]:
+        """Template level of each plate for a blur of the photograph, px of standard deviation."""
+        return blur_level(np.sqrt(blur_px**2 + self.pixel_px2) / self.px_per_u)
+
+    def repeated(self, times: int) -> Patches:
+        """All patches so many times over."""
+        return Patches(
+            np.tile(self.samples, (times, 1, 1)),
+            np.tile(self.image_from_plate, (times, 1, 1)),
+            np.tile(self.px_per_u, times),
+            np.tile(self.pixel_px2, times),
+            self.grid,
+        )
+
+
+def local_px_per_u(image_from_plate: Array) -> Array:
+    """Scale at the plates' centres, shape (P,): the square root of the area of a square u in px."""
+    return area_scales(homography_jacobians(image_from_plate, CENTRE_U))[:, 0]
+
+
+def take_patches(pyramid: Pyramid, image_from_plate: Array, grid: PatchGrid) -> Patches:
+    """Bilinear samples of all plates, each from the halving that suits its size."""
+    px_per_u = local_px_per_u(image_from_plate)
+    halvings = np.ceil(np.log2(np.maximum(px_per_u / grid.px_per_u_max, 1.0))).astype(np.int64)
+    halvings = np.minimum(halvings, len(pyramid.levels) - 1)
+    homogeneous = grid.homogeneous_u()
+    samples = np.empty((len(image_from_plate), CHANNELS, len(homogeneous)), dtype=np.float32)
+    for halving in np.unique(halvings):
+        chosen = np.flatnonzero(halvings == halving)
+        level_from_plate = (_level_from_image(halving) @ image_from_plate[chosen]).astype(np.float32)
+        x, y, w = (level_from_plate @ homogeneous.T).transpose(1, 0, 2)
+        level = pyramid.levels[halving]
+        coded = cv2.remap(level, x / w, y / w, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        samples[chosen] = cv2.LUT(coded, LINEAR_FROM_CODED).transpose(0, 2, 1)
+    pixel_px2 = (4.0**halvings.astype(np.float64) - 1.0) * PIXEL_VARIANCE
+    return Patches(samples, image_from_plate, px_per_u, pixel_px2, grid)
+
+
+def _level_from_image(halving: np.int64) -> Array:
+    """Pixel centres stand at integers: the centre of a halved pixel lies between those of its parts."""
+    factor = 0.5**halving
+    shift = 0.5 * factor - 0.5
+    return np.array([[factor, 0.0, shift], [0.0, factor, shift], [0.0, 0.0, 1.0]])
