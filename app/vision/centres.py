@@ -7,7 +7,13 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import numpy.typing as npt
 
-from app.vision.homography import PLATE_DOTS_U, apply_homographies, fit_homographies, homography_jacobians
+from app.vision.homography import (
+    PLATE_DOTS_U,
+    apply_homographies,
+    area_scales,
+    fit_homographies,
+    homography_jacobians,
+)
 from app.vision.inks import InkReading
 from app.vision.measurement import PlateFits
 
@@ -57,20 +63,33 @@ class DotCentres:
     ----------
     centres_px : ndarray of shape (P, 16, 2)
         Images of the dots' centres; the plate's prediction where not measured.
-    covariances_px2 : ndarray of shape (P, 16, 2, 2)
+    covariances_u2 : ndarray of shape (P, 16, 2, 2)
+        In plate coordinates.
+    px_by_u : ndarray of shape (P, 16, 2, 2)
+        Derivatives of pixels by plate coordinates at the dots.
     measured : ndarray of shape (P, 16), bool
     inside : ndarray of shape (P, 16), bool
         Whether the dot lies wholly inside the photograph.
     """
 
     centres_px: Array
-    covariances_px2: Array
+    covariances_u2: Array
+    px_by_u: Array
     measured: npt.NDArray[np.bool_]
     inside: npt.NDArray[np.bool_]
 
     def select(self, chosen: npt.NDArray[np.intp]) -> DotCentres:
         """The dots of some plates."""
         return DotCentres(*(getattr(self, part.name)[chosen] for part in fields(self)))
+
+    def variances_u2(self) -> Array:
+        """Mean variance of the two coordinates, shape (P, 16), u^2."""
+        return (self.covariances_u2[..., 0, 0] + self.covariances_u2[..., 1, 1]) / 2.0
+
+    def covariances_px2(self, options: CentreOptions) -> Array:
+        """In pixels, shape (P, 16, 2, 2)."""
+        floor_px2 = options.covariance_floor_px**2 * np.eye(2)
+        return self.px_by_u @ self.covariances_u2 @ self.px_by_u.swapaxes(-1, -2) + floor_px2
 
 
 def locate_dots(
@@ -86,23 +105,24 @@ def locate_dots(
     """
     amplitudes = fits.amplitudes @ YCC_FROM_BGR.T
     slopes = fits.slopes @ YCC_FROM_BGR.T
-    power = (amplitudes**2).sum(axis=-1)
-    offset_u = (slopes * amplitudes[:, :, None]).sum(axis=-1) / np.maximum(power, 1.0)[..., None]
+    power = np.maximum((amplitudes**2).sum(axis=-1), 1.0)
+    offset_u = (slopes * amplitudes[:, :, None]).sum(axis=-1) / power[..., None]
     near = np.abs(offset_u).max(axis=-1) < options.offset_max_u
     centres_px = apply_homographies(fits.image_from_plate, PLATE_DOTS_U + np.where(near[..., None], offset_u, 0.0))
-    jacobians = homography_jacobians(fits.image_from_plate, PLATE_DOTS_U)
-    noise = fits.residual_rms**2
-    variance_u2 = (noise[:, None] / np.maximum(power, 1.0))[..., None, None] * fits.offset_cofactors
-    covariances_px2 = jacobians @ variance_u2 @ jacobians.swapaxes(-1, -2)
-    inside = _inside(fits.image_from_plate, size_px, options.border_u)
-    sigma_u2 = np.einsum("pdii->pd", variance_u2) / 2.0
-    measured = near & inside & inks.coloured & (sigma_u2 < options.sigma_max_u**2)
-    return DotCentres(centres_px, covariances_px2 + options.covariance_floor_px**2 * np.eye(2), measured, inside)
+    px_by_u = homography_jacobians(fits.image_from_plate, PLATE_DOTS_U)
+    covariances_u2 = (fits.residual_rms[:, None] ** 2 / power)[..., None, None] * fits.offset_cofactors
+    # A circle's image reaches as far along an image axis as the length of the derivative's row.
+    reach_px = options.border_u * np.hypot(px_by_u[..., 0], px_by_u[..., 1])
+    greatest_px = np.array(size_px) - 1.0
+    inside = np.asarray(((centres_px >= reach_px) & (centres_px <= greatest_px - reach_px)).all(axis=-1))
+    dots = DotCentres(centres_px, covariances_u2, px_by_u, near & inside & inks.coloured, inside)
+    certain = dots.variances_u2() < options.sigma_max_u**2
+    return replace(dots, measured=dots.measured & certain)
 
 
 def refine_homographies(fits: PlateFits, dots: DotCentres) -> Array:
     """Homographies through the measured dots, weighted by their precision; the old ones where too few were measured."""
-    variance_px2 = np.einsum("pdii->pd", dots.covariances_px2) / 2.0
+    variance_px2 = dots.variances_u2() * area_scales(dots.px_by_u) ** 2
     weights = np.where(dots.measured, variance_px2.min(axis=1, keepdims=True) / variance_px2, 0.0)
     enough = dots.measured.sum(axis=1) >= 5
     refined = fits.image_from_plate.copy()
@@ -111,10 +131,10 @@ def refine_homographies(fits: PlateFits, dots: DotCentres) -> Array:
     return refined
 
 
-def calibrate_covariances(
+def calibrated_covariances(
     dots: DotCentres, image_from_plate: Array, trusted: npt.NDArray[np.bool_], options: CentreOptions = CentreOptions()
-) -> DotCentres:
-    """Scale all covariances of a photograph so that they match how its dots scatter about their plates.
+) -> Array:
+    """Covariances, shape (P, 16, 2, 2), px^2, scaled to how a photograph's dots scatter about their plates.
 
     Parameters
     ----------
@@ -123,25 +143,18 @@ def calibrate_covariances(
     trusted : ndarray of shape (P,), bool
         Plates that count; bent ones and false ones must not.
     """
+    covariances_px2 = dots.covariances_px2(options)
     redundancy = 2.0 * dots.measured.sum(axis=1) - HOMOGRAPHY_PARAMETERS
     trusted = trusted & (redundancy > 0)
     factor = 1.0
     if trusted.any():
         measured, centres_px = dots.measured[trusted], dots.centres_px[trusted]
         residual_px = centres_px - apply_homographies(image_from_plate[trusted], PLATE_DOTS_U)
-        precision = np.linalg.inv(dots.covariances_px2[trusted])
+        precision = np.linalg.inv(covariances_px2[trusted])
         squares = np.einsum("pdi,pdij,pdj->pd", residual_px, precision, residual_px)
         variances = np.where(measured, squares, 0.0).sum(axis=1) / redundancy[trusted]
         # The median keeps a bent plate from speaking for all.
         weight = redundancy[trusted].sum()
         total = weight + options.prior_redundancy
         factor = float((weight * np.median(variances) + options.prior_redundancy) / total)
-    return replace(dots, covariances_px2=dots.covariances_px2 * factor * options.unseen_factor)
-
-
-def _inside(image_from_plate: Array, size_px: tuple[int, int], border_u: float) -> npt.NDArray[np.bool_]:
-    corners = border_u * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    corners_px = apply_homographies(image_from_plate, (PLATE_DOTS_U[:, None] + corners).reshape(-1, 2))
-    greatest = np.array(size_px) - 1.0
-    within = ((corners_px >= 0.0) & (corners_px <= greatest)).all(axis=-1)
-    return np.asarray(within.reshape(len(image_from_plate), -1, 4).all(axis=-1))
+    return covariances_px2 * factor * options.unseen_factor

@@ -16,7 +16,7 @@ from app.geometry.observations import Detection
 from app.targets.family import CodeFamily
 from app.vision.centres import (
     CentreOptions,
-    calibrate_covariances,
+    calibrated_covariances,
     locate_dots,
     refine_homographies,
 )
@@ -134,8 +134,8 @@ def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: D
         few, few_dots = fits.select(suspects), dots.select(suspects)
         missing = suspects[missing_in_plain_view(few, few_dots, residuals, options.judgement)]
         judgement = judgement.refuse(missing, "base-dot-missing")
-    dots = calibrate_covariances(dots, refined, judgement.stands, options.centres)
-    return MeasuredPlates(fits, dots, inks, judgement)
+    covariances_px2 = calibrated_covariances(dots, refined, judgement.stands, options.centres)
+    return MeasuredPlates(fits, dots, covariances_px2, inks, judgement)
 
 
 def _refined(fits: PlateFits, size_px: tuple[int, int], options: DetectorOptions) -> Array:

@@ -14,6 +14,7 @@ from app.targets.layout import DOT_PITCH_U, dot_centres_u
 Array = npt.NDArray[np.float64]
 
 CORNER_DOT_U = 1.5 * DOT_PITCH_U  # the corner dots stand at +- 4.5 u
+CENTRE_U = np.zeros((1, 2))
 PLATE_DOTS_U = dot_centres_u() * np.array([1.0, -1.0])  # (16, 2), row-major cells
 
 
@@ -96,6 +97,11 @@ def area_scales(jacobians: Array) -> Array:
     area = jacobians[..., 0, 0] * jacobians[..., 1, 1] - jacobians[..., 0, 1] * jacobians[..., 1, 0]
     result: Array = np.sqrt(np.abs(area))
     return result
+
+
+def local_px_per_u(image_from_plate: Array) -> Array:
+    """Scale at the plates' centres, shape (P,): the square root of the area of a square u in px."""
+    return area_scales(homography_jacobians(image_from_plate, CENTRE_U))[:, 0]
 
 
 def cross(first: Array, second: Array) -> Array:

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import DOT_COUNT
-from app.vision.patches import CHANNELS, Patches, Pyramid, local_px_per_u, take_patches
+from app.vision.homography import local_px_per_u
+from app.vision.patches import CHANNELS, Patches, Pyramid, take_patches
 from app.vision.template import BACKGROUND, COEFFICIENTS, PER_DOT, PatchGrid, plate_template
 
 Array = npt.NDArray[np.float64]

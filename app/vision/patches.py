@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from app.vision.homography import area_scales, homography_jacobians
+from app.vision.homography import local_px_per_u
 from app.vision.template import PatchGrid, blur_level
 
 Array = npt.NDArray[np.float64]
@@ -16,7 +16,6 @@ Array32 = npt.NDArray[np.float32]
 Pixels = npt.NDArray[np.uint8]
 
 CHANNELS = 3
-CENTRE_U = np.zeros((1, 2))
 # Variance, in its own pixels, that a pixel adds to a picture: its box, and the triangle of bilinear sampling.
 PIXEL_VARIANCE = 1.0 / 12.0 + 1.0 / 6.0
 
@@ -101,11 +100,6 @@ class Patches:
         )
 
 
-def local_px_per_u(image_from_plate: Array) -> Array:
-    """Scale at the plates' centres, shape (P,): the square root of the area of a square u in px."""
-    return area_scales(homography_jacobians(image_from_plate, CENTRE_U))[:, 0]
-
-
 def take_patches(pyramid: Pyramid, image_from_plate: Array, grid: PatchGrid) -> Patches:
     """Bilinear samples of all plates, each from the halving that suits its size."""
     px_per_u = local_px_per_u(image_from_plate)
@@ -120,7 +114,7 @@ def take_patches(pyramid: Pyramid, image_from_plate: Array, grid: PatchGrid) -> 
         level = pyramid.levels[halving]
         coded = cv2.remap(level, x / w, y / w, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         samples[chosen] = cv2.LUT(coded, LINEAR_FROM_CODED).transpose(0, 2, 1)
-    pixel_px2 = (4.0**halvings.astype(np.float64) - 1.0) * PIXEL_VARIANCE
+    pixel_px2 = (4.0 ** halvings.astype(np.float64) - 1.0) * PIXEL_VARIANCE
     return Patches(samples, image_from_plate, px_per_u, pixel_px2, grid)
 
 

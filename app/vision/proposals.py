@@ -12,9 +12,8 @@ from app.vision.dots import Blobs, sample_rows
 from app.vision.homography import (
     PLATE_DOTS_U,
     apply_homographies,
-    area_scales,
-    homography_jacobians,
     image_from_corner_dots,
+    local_px_per_u,
 )
 
 Array = npt.NDArray[np.float64]
@@ -103,12 +102,12 @@ def _sizes_agree(
     image_from_plate: Array, blobs: Blobs, groups: Indices, options: ProposalOptions
 ) -> npt.NDArray[np.bool_]:
     """Whether E is where the corners say, and the blobs are as large as the plate says."""
-    px_per_u = area_scales(homography_jacobians(image_from_plate, BASE_U))
+    px_per_u = local_px_per_u(image_from_plate)
     e_px = apply_homographies(image_from_plate, BASE_U[4:])[:, 0]
     offset_px = np.linalg.norm(e_px - blobs.centres_px[groups[:, 4]], axis=1)
-    e_agrees = offset_px < options.e_offset_u * px_per_u[:, 4] + options.e_offset_px
+    e_agrees = offset_px < options.e_offset_u * px_per_u + options.e_offset_px
     radius_px = np.sqrt(blobs.semi_axes_px.prod(axis=1))
-    ratio = np.median(radius_px[groups] / px_per_u, axis=1)
+    ratio = np.median(radius_px[groups], axis=1) / px_per_u
     result: npt.NDArray[np.bool_] = e_agrees & (ratio > options.size_ratio[0]) & (ratio < options.size_ratio[1])
     return result
 

@@ -42,10 +42,21 @@ class ReadingOptions:
 
 @dataclass(frozen=True)
 class MeasuredPlates:
-    """Candidates of one photograph, measured and judged, before their codes are read; P of each."""
+    """Candidates of one photograph, measured and judged, before their codes are read; P of each.
+
+    Attributes
+    ----------
+    fits : PlateFits
+    dots : DotCentres
+    covariances_px2 : ndarray of shape (P, 16, 2, 2)
+        Of the dots' centres.
+    inks : InkReading
+    judgement : Judgement
+    """
 
     fits: PlateFits
     dots: DotCentres
+    covariances_px2: npt.NDArray[np.float64]
     inks: InkReading
     judgement: Judgement
 
@@ -110,7 +121,7 @@ def _target(plates: MeasuredPlates, plate: np.intp, decoded: tuple[int, int, int
     return TargetObservation(
         code=code,
         centres_px=plates.dots.centres_px[plate],
-        covariances_px2=plates.dots.covariances_px2[plate],
+        covariances_px2=plates.covariances_px2[plate],
         measured=plates.dots.measured[plate],
         corrected=corrected,
         erased=erased,
