@@ -102,7 +102,14 @@ def add_handlers(app: FastAPI) -> None:
     app.add_exception_handler(Exception, _on_fault)
 
 
-def _answer(problem: dict[str, Any], headers: dict[str, str] | None = None) -> JSONResponse:
+def http_problem(status: int, path: str, method: str, detail: str) -> dict[str, Any]:
+    """A problem that the framework found before any service was asked."""
+    slug, title, text = HTTP_PROBLEMS.get(status, ("http-error", "Error", "{detail}"))
+    return problem_of(slug, Kind(status, title), text.format(path=path, method=method, detail=detail), {})
+
+
+def problem_response(problem: dict[str, Any], headers: dict[str, str] | None = None) -> JSONResponse:
+    """The answer that carries a problem."""
     return JSONResponse(problem, status_code=problem["status"], media_type=MEDIA_TYPE, headers=headers)
 
 
@@ -113,7 +120,7 @@ async def _on_known_error(_request: Request, error: Exception) -> JSONResponse:
         log.error("%s: %s", error.slug, error.detail)
     retry_after_s = error.fields.get("retry_after_s")
     headers = None if retry_after_s is None else {"Retry-After": str(retry_after_s)}
-    return _answer(problem_of(error.slug, kind, error.detail, error.fields), headers)
+    return problem_response(problem_of(error.slug, kind, error.detail, error.fields), headers)
 
 
 async def _on_validation_error(_request: Request, error: Exception) -> JSONResponse:
@@ -121,20 +128,17 @@ async def _on_validation_error(_request: Request, error: Exception) -> JSONRespo
     found = [{"field": ".".join(str(part) for part in item["loc"]), "problem": item["msg"]} for item in error.errors()]
     shown = "; ".join(f"{item['field']}: {item['problem']}" for item in found[:ERRORS_SHOWN])
     detail = f"the request does not fit this call ({shown}); correct it, /docs shows what is expected"
-    return _answer(problem_of("invalid-input", TABLE[errors.InvalidInput], detail, {"errors": found}))
+    return problem_response(problem_of("invalid-input", TABLE[errors.InvalidInput], detail, {"errors": found}))
 
 
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
-    default = ("http-error", "Error", "{detail}")
-    slug, title, text = HTTP_PROBLEMS.get(error.status_code, default)
-    detail = text.format(path=request.url.path, method=request.method, detail=error.detail)
-    headers = dict(error.headers) if error.headers else None
-    return _answer(problem_of(slug, Kind(error.status_code, title), detail, {}), headers)
+    problem = http_problem(error.status_code, request.url.path, request.method, error.detail)
+    return problem_response(problem, dict(error.headers) if error.headers else None)
 
 
 async def _on_fault(_request: Request, error: Exception) -> JSONResponse:
     incident = uuid.uuid4().hex
     log.error("unexpected error, incident %s", incident, exc_info=error)
     detail = f"a fault of the server; try again, and report incident {incident} if it stays so"
-    return _answer(problem_of("fault", Kind(500, "Internal error"), detail, {"incident": incident}))
+    return problem_response(problem_of("fault", Kind(500, "Internal error"), detail, {"incident": incident}))

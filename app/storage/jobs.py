@@ -112,7 +112,7 @@ class JobRepository:
 
     def succeed(self, job_id: str, result: dict[str, Any]) -> bool:
         """End a running job with its result; False when it runs no more."""
-        return self._end(job_id, ("running",), "succeeded", stage="done", result=result)
+        return self._end(job_id, ("running",), "succeeded", stage="done", done=JobRow.total, result=result)
 
     def fail(self, job_id: str, error: dict[str, Any]) -> bool:
         """End an open job with a problem; False when it is at its end already."""

@@ -42,6 +42,7 @@ def test_a_job_goes_its_way_and_keeps_what_it_says(database: Database) -> None:
         assert JobRepository(session).succeed(job.job_id, {"map_version": 1})
     done = state(database, job.job_id)
     assert (done.state, done.result, done.error, done.open) == ("succeeded", {"map_version": 1}, None, False)
+    assert (done.stage, done.done, done.total) == ("done", 54, 54)
     assert done.finished_s is not None
 
 
