@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,23 +36,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Locate each; 1 when one of them was refused."""
-    from app.cli.locate_photo import known_cameras
     from app.geometry.map_file import read_map
 
     content = read_map(arguments.map)
-    known = known_cameras(content, _camera_of_file(arguments.camera) if arguments.camera else None)
-    paths = photo_files(arguments.photos)
-    records = []
-    with progress() as report:
-        for done, path in enumerate(paths, start=1):
-            records.append(_record(path, content, known))
-            report("locating", done, len(paths))
+    named = _camera_of_file(arguments.camera) if arguments.camera else None
+    records = _locate_all(photo_files(arguments.photos), content, named)
     if arguments.json:
         print(json.dumps(records))
     else:
         for record in records:
             print(_line(record))
     return 0 if all("reason" not in record for record in records) else 1
+
+
+def _locate_all(paths: Sequence[Path], content: MapFile, named: CalibratedCamera | None) -> list[dict[str, Any]]:
+    from app.cli.locate_photo import known_cameras
+
+    known, records = known_cameras(content, named), []
+    with progress() as report:
+        for done, path in enumerate(paths, start=1):
+            records.append(_record(path, content, known))
+            report("locating", done, len(paths))
+    return records
 
 
 def _camera_of_file(path: Path) -> CalibratedCamera:

@@ -5,6 +5,13 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from app.settings import Settings
+    from app.storage.database import Database
 
 HELP = "bring the database (SCATTERMARK_DATABASE_URL) to the tables of this version"
 
@@ -16,19 +23,56 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Upgrade and say so."""
-    from app.settings import settings_from_environment
-    from app.storage.database import Database
-    from app.storage.migrate import upgrade
-
-    settings = settings_from_environment()
-    if arguments.data_dir is not None:
-        settings = dataclasses.replace(settings, data_dir=arguments.data_dir)
-    if settings.embedded:
-        settings.data_dir.mkdir(parents=True, exist_ok=True)
-    database = Database(settings.sqlalchemy_url)
-    try:
-        upgrade(database)
-    finally:
-        database.close()
+    migrate(settings_of(arguments.data_dir))
     print("the database is up to date")
     return 0
+
+
+def settings_of(data_dir: Path | None) -> Settings:
+    """Settings of the environment, with the folder that the command line names."""
+    from app.settings import settings_from_environment
+
+    settings = settings_from_environment()
+    return settings if data_dir is None else dataclasses.replace(settings, data_dir=data_dir)
+
+
+def migrate(settings: Settings) -> None:
+    """Bring the database to the tables of this version; make the embedded one when there is none.
+
+    Raises
+    ------
+    InvalidInput
+        When the URL names no usable database.
+    StorageUnavailable
+        When the database gives no answer.
+    """
+    from alembic.util import CommandError
+    from sqlalchemy.exc import DatabaseError
+
+    from app.storage.migrate import upgrade
+
+    if settings.embedded:
+        settings.data_dir.mkdir(parents=True, exist_ok=True)
+    database = _database(settings)
+    try:
+        upgrade(database)
+    except DatabaseError as error:
+        elsewhere = "point SCATTERMARK_DATABASE_URL or --data-dir elsewhere"
+        raise InvalidInput(f"the database cannot be used ({error.orig}): {elsewhere}") from error
+    except CommandError as error:
+        raise InvalidInput(f"the database belongs to another version of Scattermark: {error}") from error
+    finally:
+        database.close()
+
+
+def _database(settings: Settings) -> Database:
+    from sqlalchemy.exc import ArgumentError
+
+    from app.storage.database import Database
+
+    try:
+        return Database(settings.sqlalchemy_url)
+    except ArgumentError as error:
+        raise InvalidInput(f"SCATTERMARK_DATABASE_URL={settings.database_url!r}: {error}") from error
+    except ModuleNotFoundError as error:
+        raise InvalidInput(f"the database's driver is missing: install {error.name} (scattermark[postgres])") from error

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import ipaddress
+import logging
 import socket
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.cli.migrate import migrate, settings_of
 from app.errors import InvalidInput, ScattermarkError
 
 if TYPE_CHECKING:
     import uvicorn
+
+    from app.settings import Settings
 
 GRACEFUL_SHUTDOWN_S = 10  # requests take tens of milliseconds; uvicorn by itself would wait for ever
 GREATEST_PORT = 65535
@@ -42,11 +45,27 @@ def run(arguments: argparse.Namespace) -> int:
     _refuse_open_door(arguments.host, arguments.insecure)
     listener = _listen(arguments.host, arguments.port)
     with listener:
-        server = _server(arguments)
-        server.run(sockets=[listener])
-        if not server.started:
-            raise CannotServe("the service could not start; its log above says why")
+        settings = settings_of(arguments.data_dir)
+        if settings.embedded:
+            migrate(settings)  # the service would do it too, and could not say in one line what is wrong
+        _run(_server(settings), listener)
     return 0
+
+
+def _run(server: uvicorn.Server, listener: socket.socket) -> None:
+    logging.getLogger("uvicorn.error").addFilter(_without_traceback)
+    try:
+        server.run(sockets=[listener])
+    except SystemExit as end:
+        raise CannotServe("the service could not start; the line above says why") from end
+
+
+def _without_traceback(record: logging.LogRecord) -> bool:
+    """Cut a traceback, which uvicorn logs as one message, down to the line that says what happened."""
+    message = record.getMessage()
+    if message.startswith("Traceback"):
+        record.msg, record.args = message.strip().splitlines()[-1], ()
+    return True
 
 
 def _refuse_open_door(host: str, insecure: bool) -> None:
@@ -73,12 +92,9 @@ def _listen(host: str, port: int) -> socket.socket:
         raise InvalidInput(f"--port {port}: ports go from 0 to {GREATEST_PORT}")
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        listener = socket.socket(family, socket.SOCK_STREAM)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(address)
+        return socket.create_server(address[:2], family=family)
     except OSError as error:
         raise InvalidInput(f"cannot listen on {host} port {port}: {error.strerror}; choose another --port") from error
-    return listener
 
 
 def _url(listener: socket.socket) -> str:
@@ -86,11 +102,10 @@ def _url(listener: socket.socket) -> str:
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
-def _server(arguments: argparse.Namespace) -> uvicorn.Server:
+def _server(settings: Settings) -> uvicorn.Server:
     import uvicorn
 
     from app.main import create_app
-    from app.settings import settings_from_environment
 
     class Server(uvicorn.Server):
         """Says its URL on standard output, in one line, once it answers."""
@@ -100,9 +115,6 @@ def _server(arguments: argparse.Namespace) -> uvicorn.Server:
             if self.started and sockets:
                 print(f"Scattermark is ready at {_url(sockets[0])}", flush=True)
 
-    settings = settings_from_environment()
-    if arguments.data_dir is not None:
-        settings = dataclasses.replace(settings, data_dir=arguments.data_dir)
     config = uvicorn.Config(
         create_app(settings),
         log_level="warning",
