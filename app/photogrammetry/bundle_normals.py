@@ -111,9 +111,8 @@ def _add_chunk(
     camera, chunk = run
     part = problem.sightings.select(chunk)
     equations = linearise(network, part, problem.camera_at(network, camera), problem.plane_m)
-    root_weight = np.sqrt(loss.weight((equations.residuals**2).sum(axis=-1)))[..., None]
-    rows = np.concatenate([equations.jacobian, equations.residuals[..., None]], axis=-1) * root_weight[..., None]
-    rows = rows.reshape(len(part), -1, COLUMN_COUNT + 1)
+    weight = loss.weight((equations.residuals**2).sum(axis=-1))
+    rows = (equations.rows * np.sqrt(weight)[..., None, None]).reshape(len(part), -1, COLUMN_COUNT + 1)
     products = np.swapaxes(rows, -1, -2) @ rows  # (m, 18, 18): all of J'WJ and, in the last column, J'Wr
 
     columns = np.r_[problem.camera_columns(camera), slice(problem.border_count - PRINT_COUNT, problem.border_count)]

@@ -36,17 +36,25 @@ class Linearised:
 
     Attributes
     ----------
-    residuals : ndarray of shape (M, 16, 2)
-        Computed minus observed, in standard deviations; zero for dots that were not measured.
-    jacobian : ndarray of shape (M, 16, 2, 17)
-        By the target (position m, small rotation rad, frame axes), the print scale (x, y) and the nine intrinsics.
+    rows : ndarray of shape (M, 16, 2, 18)
+        Derivatives by the target (position m, small rotation rad, frame axes), the print scale (x, y) and the nine
+        intrinsics; last the residual, computed minus observed. In standard deviations; zero where not measured.
     target_step_from_photo_step : ndarray of shape (M, 6, 6)
         Times the target's columns: the derivative by the photograph (position, small rotation, frame axes).
     """
 
-    residuals: Array
-    jacobian: Array
+    rows: Array
     target_step_from_photo_step: Array
+
+    @property
+    def jacobian(self) -> Array:
+        """Derivatives alone, shape (M, 16, 2, 17)."""
+        return self.rows[..., :COLUMN_COUNT]
+
+    @property
+    def residuals(self) -> Array:
+        """Residuals alone, shape (M, 16, 2)."""
+        return self.rows[..., COLUMN_COUNT]
 
 
 def whitened_residuals(network: Network, sightings: Sightings, camera: Camera, plane_m: Array) -> Array:
@@ -62,28 +70,26 @@ def whitened_residuals(network: Network, sightings: Sightings, camera: Camera, p
         Nominal dots in the target's plane.
     """
     _, _, cam_m = _dots_in_camera(network, sightings, plane_m)
-    computed_px = camera.project(_in_front(cam_m))
-    return _whiten(sightings, computed_px - sightings.dots_px)
+    return sightings.whiten((camera.project(_in_front(cam_m)) - sightings.dots_px)[..., None])[..., 0]
 
 
 def linearise(network: Network, sightings: Sightings, camera: Camera, plane_m: Array) -> Linearised:
     """Residuals as of ``whitened_residuals`` with their derivatives."""
     arms_m, offsets_m, cam_m = _dots_in_camera(network, sightings, plane_m)
     computed_px, by_cam, by_intrinsics = camera.project_with_jacobians(_in_front(cam_m))
-    seen = (cam_m[..., 2] > NEAREST_M)[..., None, None]
-    whitening = sightings.whitening_per_px * seen
-    cam_from_frame = np.swapaxes(network.photo_rotations[sightings.photo], -1, -2)
+    shape, flat = (len(sightings), DOT_COUNT, 2, -1), (len(sightings), 2 * DOT_COUNT, 3)
     plate_axes = network.target_rotations[sightings.target][..., :PRINT_COUNT]
-    rows, shape = (len(sightings), 2 * DOT_COUNT, -1), (len(sightings), DOT_COUNT, 2, -1)
-    by_point = (whitening @ by_cam).reshape(rows) @ cam_from_frame
-    jacobian = np.empty((len(sightings), DOT_COUNT, 2, COLUMN_COUNT))
-    jacobian[..., :3] = by_point.reshape(shape)
+    cam_from_frame = np.swapaxes(network.photo_rotations[sightings.photo], -1, -2)
+    by_point = by_cam.reshape(flat) @ cam_from_frame
+    rows_px = np.empty((len(sightings), DOT_COUNT, 2, COLUMN_COUNT + 1))
+    rows_px[..., :3] = by_point.reshape(shape)
     # a . (dtheta x arm) = dtheta . (arm x a)
-    jacobian[..., 3:POSE_COUNT] = np.cross(arms_m[:, :, None], jacobian[..., :3])
-    jacobian[..., PRINT_COLUMNS] = (by_point @ plate_axes).reshape(shape) * plane_m[:, None]
-    jacobian[..., CAMERA_COLUMNS] = whitening @ by_intrinsics
-    residuals = _whiten(sightings, computed_px - sightings.dots_px)
-    return Linearised(residuals, jacobian, _target_step_from_photo_step(offsets_m))
+    rows_px[..., 3:POSE_COUNT] = np.cross(arms_m[:, :, None], rows_px[..., :3])
+    rows_px[..., PRINT_COLUMNS] = (by_point @ plate_axes).reshape(shape) * plane_m[:, None]
+    rows_px[..., CAMERA_COLUMNS] = by_intrinsics
+    rows_px[..., :COLUMN_COUNT] *= (cam_m[..., 2] > NEAREST_M)[..., None, None]
+    rows_px[..., COLUMN_COUNT] = computed_px - sightings.dots_px
+    return Linearised(sightings.whiten(rows_px), target_step_from_photo_step(offsets_m))
 
 
 def _dots_in_camera(network: Network, sightings: Sightings, plane_m: Array) -> tuple[Array, Array, Array]:
@@ -101,12 +107,11 @@ def _in_front(cam_m: Array) -> Array:
     return np.concatenate([cam_m[..., :2], depth_m], axis=-1)
 
 
-def _whiten(sightings: Sightings, residuals_px: Array) -> Array:
-    return np.asarray((sightings.whitening_per_px @ residuals_px[..., None])[..., 0])
+def target_step_from_photo_step(offsets_m: Array) -> Array:
+    """Matrices, shape (M, 6, 6), for targets' centres at offsets (M, 3) from projection centres, frame axes.
 
-
-def _target_step_from_photo_step(offsets_m: Array) -> Array:
-    """Moving a camera by dC and turning it by dtheta is moving a target by offset x dtheta - dC and turning it back."""
+    Moving a camera by dC and turning it by dtheta is moving a target by offset x dtheta - dC and turning it back.
+    """
     steps = np.zeros((len(offsets_m), POSE_COUNT, POSE_COUNT))
     steps[:, :3, :3] = steps[:, 3:, 3:] = -np.eye(3)
     steps[:, :3, 3:] = skew(offsets_m)

@@ -22,6 +22,15 @@ FEWEST_POINTS = 3  # seven parameters of a similarity take three points of three
 
 
 @dataclass(frozen=True)
+class StandingTargets:
+    """The targets of a network: codes (T,), ascending; which are published, which may carry a point, masks (T,)."""
+
+    codes: Index
+    published: Mask
+    carrying: Mask
+
+
+@dataclass(frozen=True)
 class MatchedPoints:
     """Points of one role whose targets stand in the network.
 
@@ -77,7 +86,7 @@ def _refuse_repeated(what: str, points: Sequence[ControlPoint], keys: Sequence[s
         )
 
 
-def match_points(points: Sequence[ControlPoint], role: Role, codes: Index, standing: Mask, u_m: float) -> MatchedPoints:
+def match_points(points: Sequence[ControlPoint], role: Role, standing: StandingTargets, u_m: float) -> MatchedPoints:
     """Points of one role on targets that stand.
 
     Parameters
@@ -85,14 +94,11 @@ def match_points(points: Sequence[ControlPoint], role: Role, codes: Index, stand
     points : sequence of ControlPoint
         All of the survey.
     role : str
-    codes : ndarray of shape (T,), int
-        Codes of the network's targets, ascending.
-    standing : ndarray of shape (T,), bool
-        Which of them stand well enough to carry a point.
+    standing : StandingTargets
     u_m : float
         Nominal module of the plates.
     """
-    number = {int(code): target for target, code in enumerate(codes) if standing[target]}
+    number = {int(code): target for target, code in enumerate(standing.codes) if standing.carrying[target]}
     wanted = [point for point in points if point.role == role]
     matched = tuple(point for point in wanted if point.code in number)
     # The plate's middle is the origin of its frame.

@@ -18,6 +18,7 @@ from app.geometry.target_map import Datum
 from app.photogrammetry.bundle_normals import normal_equations
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.equations import PointEquations
+from app.photogrammetry.inverse_parts import inverse_parts
 from app.photogrammetry.network import POSE_COUNT, Network
 from app.photogrammetry.reduced_system import ReducedSystem, Unknowns, photo_graph_tree, reduce_normals
 from app.photogrammetry.robust import RobustLoss
@@ -75,53 +76,14 @@ def reduced_at(problem: BundleProblem, network: Network, loss: RobustLoss) -> Re
 
 
 def pose_covariances(reduced: ReducedSystem, sightings: Sightings) -> PoseCovariances:
-    """Covariances of all poses and shared unknowns, front by front of the inverse.
-
-    Notes
-    -----
-    With V a target's block and W its rows of the other unknowns, of which Z is the inverse of the Schur complement, a
-    target's covariance is V^-1 + V^-1 W' Z W V^-1. All photographs that see a target share a front, so Z is at hand.
-    """
+    """Covariances of all poses and shared unknowns."""
     photos = np.empty((sightings.photo_count, POSE_COUNT, POSE_COUNT))
     targets = reduced.target_inverse.copy()
-    factor = reduced.factor
-    eliminated_by = np.empty(sightings.photo_count, dtype=np.intp)
-    for index, node in enumerate(factor.nodes):
-        eliminated_by[node.own] = index
-    first_front = np.full(sightings.target_count, len(factor.nodes))
-    np.minimum.at(first_front, sightings.target, eliminated_by[sightings.photo])
-    by_target = sightings_by_target(sightings)
-    for front in factor.inverse_fronts():
-        own = len(factor.nodes[front.node].own)
-        blocks = front.inverse[: POSE_COUNT * own, : POSE_COUNT * own].reshape(own, POSE_COUNT, own, POSE_COUNT)
-        photos[front.photos[:own]] = blocks[np.arange(own), :, np.arange(own)]
-        place = np.full(sightings.photo_count, -1)
-        place[front.photos] = np.arange(len(front.photos))
-        for target in np.flatnonzero(first_front == front.node):
-            rows = by_target[target]
-            gain, unknowns = _gain(reduced, sightings, rows, place)
-            targets[target] += gain @ front.inverse[np.ix_(unknowns, unknowns)] @ gain.T
-    return PoseCovariances(photos, targets, factor.border_inverse())
-
-
-def sightings_by_target(sightings: Sightings) -> list[Index]:
-    """Rows of each target's sightings, a list of T."""
-    order = np.argsort(sightings.target, kind="stable")
-    return np.split(order, np.cumsum(sightings.rays())[:-1])
-
-
-def _gain(reduced: ReducedSystem, sightings: Sightings, rows: Index, place: Index) -> tuple[Array, Index]:
-    """Derivative of one target by the other unknowns that it meets, and the places of these in a front."""
-    target = sightings.target[rows[0]]
-    border_count = len(reduced.factor.border)
-    blocks = reduced.photo_target.data[rows]  # one block per sighting, in the order of the sightings
-    coupled = np.concatenate(
-        [np.concatenate(list(blocks)), reduced.target_border[POSE_COUNT * target : POSE_COUNT * (target + 1)].T]
-    )
-    held = place[sightings.photo[rows]]
-    photos = (POSE_COUNT * held[:, None] + np.arange(POSE_COUNT)).ravel()
-    border = POSE_COUNT * int((place >= 0).sum()) + np.arange(border_count)
-    return -reduced.target_inverse[target] @ coupled.T, np.concatenate([photos, border])
+    for front in inverse_parts(reduced, sightings):
+        photos[front.photos] = front.photo_covariances
+        for part in front.targets:
+            targets[part.target] += part.gain @ part.inverse @ part.gain.T
+    return PoseCovariances(photos, targets, reduced.factor.border_inverse())
 
 
 def part_datum(

@@ -91,7 +91,11 @@ def adjust_robustly(problem: BundleProblem, network: Network, options: GrowthOpt
     for _ in range(2):
         squared = squared_residuals(problem, network)[problem.sightings.measured]
         width = options.loss_width * max(robust_scale(squared), 1.0)
-        steps = BundleOptions(loss=RobustLoss("cauchy", width), most_steps=options.adjustment_steps)
+        steps = BundleOptions(
+            loss=RobustLoss("cauchy", width),
+            most_steps=options.adjustment_steps,
+            converged_share=options.adjusted_share,
+        )
         network = adjust_bundle(problem, network, steps).network
     return network
 

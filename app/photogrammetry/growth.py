@@ -43,7 +43,9 @@ class GrowthOptions:
     growth_per_adjustment : float
         The network is adjusted each time it has grown by this factor.
     adjustment_steps : int
-        Steps of those adjustments; the last one goes on until it converges.
+        Steps of those adjustments.
+    adjusted_share : float
+        They end when a step lowers the weighted squares by less than this share: what is still to come moves more.
     loss_width : float
         Width of the Cauchy loss of those adjustments, in robust standard deviations of the present residuals.
     strayed : float
@@ -60,6 +62,7 @@ class GrowthOptions:
     least_agreeing: float = 0.5
     growth_per_adjustment: float = 1.5
     adjustment_steps: int = 8
+    adjusted_share: float = 0.01
     loss_width: float = 3.0
     strayed: float = 5.0
 

@@ -39,6 +39,8 @@ class QualityOptions:
         Displacement of its dots, in modules, from which a deformed plate is left out: 3 % of u, 0.4 mm of 14 mm.
     fewest_rays : int
         Photographs that must see a target for it to be published: three control each other.
+    fewest_control_rays : int
+        Photographs that must see the target of a control or check point: two of sixteen dots each control each other.
     least_angle_rad : float
         Between two of its rays: 5 degrees.
     most_rounds : int
@@ -52,6 +54,7 @@ class QualityOptions:
     fault_gain: float = 100.0
     least_fault_u: float = 0.03
     fewest_rays: int = 3
+    fewest_control_rays: int = 2
     least_angle_rad: float = float(np.deg2rad(5.0))
     most_rounds: int = 5
 
@@ -84,6 +87,12 @@ def fault_of_plate(fits: PlateFits, u_m: float, scale: float, options: QualityOp
                 "to the page"
             )
     return found
+
+
+def well_seen(network: Network, sightings: Sightings, fewest_rays: int, options: QualityOptions) -> Mask:
+    """Targets with so many rays at a great enough angle, shape (T,)."""
+    angles = intersection_angles(network, sightings)
+    return (sightings.rays() >= fewest_rays) & (angles >= options.least_angle_rad)
 
 
 def intersection_angles(network: Network, sightings: Sightings) -> Array:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from app.photogrammetry.plate_correlation import PlateSigmas
+
 Array = npt.NDArray[np.float64]
 
 
@@ -122,6 +124,8 @@ class AdjustmentReport:
     ----------
     sigma0 : float
         Standard deviation of unit weight: residuals over what the dots' covariances promise.
+    plate_sigmas : PlateSigmas
+        The same of a plate's shift, of its linear deformation and of its single dots: 1 each where dots err alone.
     redundancy : int
         Observations minus unknowns.
     observations : int
@@ -136,6 +140,7 @@ class AdjustmentReport:
     """
 
     sigma0: float
+    plate_sigmas: PlateSigmas
     redundancy: int
     observations: int
     steps: int

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.observations import Detection, TargetObservation
+from app.photogrammetry.plate_correlation import PlateModes, PlateSigmas, plate_basis
 from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
@@ -34,6 +35,8 @@ class Sightings:
         where a dot was not measured.
     photo_count, target_count : int
         P and T.
+    modes : PlateModes or None
+        What the dots of a sighting have in common; None while they are taken as independent.
     """
 
     photo: Index
@@ -42,6 +45,7 @@ class Sightings:
     whitening_per_px: Array
     photo_count: int
     target_count: int
+    modes: PlateModes | None = None
 
     def __post_init__(self) -> None:
         if (np.diff(self.photo) < 0).any():
@@ -57,14 +61,15 @@ class Sightings:
         """Which dots carry information, shape (M, 16)."""
         return self.whitening_per_px[..., 0, 0] > 0
 
-    def select(self, chosen: Mask | slice) -> Sightings:
-        """The chosen sightings (shape (M,) bool, or a run of them) of the same photographs and targets."""
+    def select(self, chosen: Mask | Index | slice) -> Sightings:
+        """The chosen sightings (by mask, by ascending rows, or a run) of the same photographs and targets."""
         return replace(
             self,
             photo=self.photo[chosen],
             target=self.target[chosen],
             dots_px=self.dots_px[chosen],
             whitening_per_px=self.whitening_per_px[chosen],
+            modes=None if self.modes is None else self.modes.select(chosen),
         )
 
     def among(self, photos: Index, targets: Index) -> Sightings:
@@ -84,9 +89,18 @@ class Sightings:
         """The same sightings with all standard deviations multiplied by ``sigma0``."""
         return replace(self, whitening_per_px=self.whitening_per_px / sigma0)
 
+    def correlated(self, sigmas: PlateSigmas) -> Sightings:
+        """The same sightings with errors that the dots of a plate share."""
+        return replace(self, modes=PlateModes(plate_basis(self.whitening_per_px), sigmas))
+
+    def whiten(self, rows_px: Array) -> Array:
+        """Rows of the sightings' equations, shape (M, 16, 2, k), px, as rows of unit covariance."""
+        whitened = self.whitening_per_px @ rows_px
+        return whitened if self.modes is None else self.modes.decorrelate(whitened)
+
     def in_pixels(self) -> Sightings:
         """The same sightings with every measured dot weighted by one, so that whitened residuals are in px."""
-        return replace(self, whitening_per_px=self.measured[..., None, None] * np.eye(2))
+        return replace(self, whitening_per_px=self.measured[..., None, None] * np.eye(2), modes=None)
 
     def rays(self) -> Index:
         """How many photographs see each target, shape (T,)."""

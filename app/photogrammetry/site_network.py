@@ -14,17 +14,16 @@ from app.geometry.control import ControlPoint
 from app.photogrammetry.bundle import Adjusted, BundleOptions, adjust_bundle
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.cleaning import CleanNetwork
-from app.photogrammetry.control import MatchedPoints, check_carries_datum, match_points
+from app.photogrammetry.control import MatchedPoints, StandingTargets, check_carries_datum, match_points
 from app.photogrammetry.control_errors import ControlOptions, hidden_exchanges, judge_control
 from app.photogrammetry.control_fit import PointPairs
 from app.photogrammetry.covariance import point_covariance, reduced_at
 from app.photogrammetry.datum import PRINT_SIGMA, AssumedDatum, assume_datum
 from app.photogrammetry.free_adjustment import held_photo
 from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network
+from app.photogrammetry.variance_components import ComponentOptions, Components, estimate_components
 
 Array = npt.NDArray[np.float64]
-Index = npt.NDArray[np.intp]
-Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,7 @@ class SiteOptions:
     Attributes
     ----------
     control : ControlOptions
-    least_sigma0 : float
-        Residuals smaller than this share of their stated sigmas are taken as this: exact observations are synthetic.
+    components : ComponentOptions
     doubted_print : float
         Print scales further from 1 than this are warned of, and no longer believed in advance: five times the prior.
     possible_print : float
@@ -43,7 +41,7 @@ class SiteOptions:
     """
 
     control: ControlOptions = field(default_factory=ControlOptions)
-    least_sigma0: float = 0.1
+    components: ComponentOptions = field(default_factory=ComponentOptions)
     doubted_print: float = 0.01
     possible_print: float = 0.2
 
@@ -57,7 +55,7 @@ class SiteNetwork:
     problem : BundleProblem
         All equations, image weights scaled to what the residuals showed.
     adjusted : Adjusted
-    sigma0 : float
+    components : Components
         Of the image coordinates: residuals over what the dots' covariances promise.
     control : MatchedPoints or None
         The control points that fix the datum.
@@ -68,16 +66,10 @@ class SiteNetwork:
 
     problem: BundleProblem
     adjusted: Adjusted
-    sigma0: float
+    components: Components
     control: MatchedPoints | None
     assumed: AssumedDatum | None
     warnings: tuple[str, ...]
-
-
-def image_sigma0(problem: BundleProblem, adjusted: Adjusted, options: BundleOptions) -> float:
-    """Standard deviation of unit weight of the image coordinates of an adjusted network."""
-    weights = options.loss.weight(adjusted.squared)
-    return float(np.sqrt((weights * adjusted.squared).sum() / redundancy(problem)))
 
 
 def redundancy(problem: BundleProblem) -> int:
@@ -95,7 +87,7 @@ def redundancy(problem: BundleProblem) -> int:
 def refer_to_site(
     clean: CleanNetwork,
     points: Sequence[ControlPoint],
-    standing: tuple[Index, Mask],
+    standing: StandingTargets,
     options: SiteOptions,
     on_step: Callable[[], None],
 ) -> SiteNetwork:
@@ -106,8 +98,7 @@ def refer_to_site(
     clean : CleanNetwork
     points : sequence of ControlPoint
         With one of role ``control`` they fix the datum; without any it is assumed.
-    standing : tuple of ndarray
-        Codes of the network's targets, shape (T,), and which of them are seen well enough to carry a point.
+    standing : StandingTargets
     options : SiteOptions
     on_step : callable
         Called before each step of the adjustment; may raise to stop.
@@ -118,23 +109,24 @@ def refer_to_site(
         When the control points cannot carry a datum or contradict the photographs.
     """
     bundle = BundleOptions()
-    sigma0 = max(image_sigma0(clean.problem, clean.adjusted, bundle), options.least_sigma0)
-    problem = clean.problem.with_sightings(clean.problem.sightings.reweighted(sigma0))
     network = clean.adjusted.network
-    codes, carrying = standing
+    components = estimate_components(
+        clean.problem, network, reduced_at(clean.problem, network, bundle.loss), bundle.loss, options.components
+    )
+    problem = clean.problem.with_sightings(clean.problem.sightings.correlated(components.sigmas))
     if not any(point.role == "control" for point in points):
-        assumed = assume_datum(network, carrying)
+        assumed = assume_datum(network, standing.published)
         network = network.transformed(assumed.site_from_model)
         problem = replace(problem, photo_poses=held_photo(network, 0))
         adjusted = adjust_bundle(problem, network, bundle, on_step)
-        return SiteNetwork(problem, adjusted, sigma0, None, assumed, _assumed_warnings(assumed))
-    control = match_points(points, "control", codes, carrying, problem.u_m)
+        return SiteNetwork(problem, adjusted, components, None, assumed, _assumed_warnings(assumed))
+    control = match_points(points, "control", standing, problem.u_m)
     check_carries_datum(control)
     problem, network, warnings = _with_control(problem, network, control, options)
-    if not match_points(points, "check", codes, carrying, problem.u_m).points:
+    if not match_points(points, "check", standing, problem.u_m).points:
         warnings += _hidden_warnings(network, control, options)
     adjusted = adjust_bundle(problem, network, bundle, on_step)
-    return SiteNetwork(problem, adjusted, sigma0, control, None, warnings)
+    return SiteNetwork(problem, adjusted, components, control, None, warnings)
 
 
 def _with_control(

@@ -12,11 +12,11 @@ from functools import partial
 from app.geometry.control import ControlPoint
 from app.geometry.target_map import TargetMap
 from app.photogrammetry.choose_network import choose_network
-from app.photogrammetry.cleaning import clean_network
-from app.photogrammetry.control import check_control
+from app.photogrammetry.cleaning import CleanNetwork, clean_network
+from app.photogrammetry.control import StandingTargets, check_control
 from app.photogrammetry.growth import Growth, GrowthOptions
 from app.photogrammetry.initial_network import grow_networks
-from app.photogrammetry.quality import QualityOptions
+from app.photogrammetry.quality import QualityOptions, well_seen
 from app.photogrammetry.self_calibration import self_calibrate
 from app.photogrammetry.site_network import SiteOptions, refer_to_site
 from app.photogrammetry.survey_input import PlateSpec, SurveyInput, SurveyPhoto, read_survey
@@ -24,7 +24,7 @@ from app.photogrammetry.survey_outcome import SurveyOutcome
 from app.photogrammetry.survey_refusals import check_published, left_out_targets, unoriented_photos
 from app.photogrammetry.survey_report import write_report
 from app.photogrammetry.survey_result import AdjustedPhoto, SurveyCamera, SurveyResult, adjusted_photos, mapped_targets
-from app.photogrammetry.survey_solution import publishable, solve_uncertainty
+from app.photogrammetry.survey_solution import solve_uncertainty
 
 __all__ = [
     "AdjustedPhoto",
@@ -88,14 +88,14 @@ def adjust_survey(
     networks = _grown(survey, options, tell)
     chosen = choose_network(survey, networks, control)
     clean = clean_network(networks[chosen], options.quality, partial(tell, "adjust", 0, 1))
-    codes, carrying = survey.codes[clean.part.targets], publishable(clean.problem, clean.adjusted, options.quality)
-    check_published(survey, carrying)
+    standing = _standing(survey, clean, options.quality)
+    check_published(survey, standing)
     tell("control", 0, 1)
-    site = refer_to_site(clean, control, (codes, carrying), options.site, partial(tell, "control", 0, 1))
+    site = refer_to_site(clean, control, standing, options.site, partial(tell, "control", 0, 1))
     tell("covariance", 0, 1)
-    solution = solve_uncertainty(site, carrying)
-    fewest_rays = options.quality.fewest_rays
-    return _result(SurveyOutcome(survey, networks, chosen, clean, site, solution, tuple(control), fewest_rays), plate)
+    solution = solve_uncertainty(site, standing.published)
+    stages = survey, networks, chosen, clean, standing, site, solution
+    return _result(SurveyOutcome(*stages, tuple(control), options.quality.fewest_rays), plate)
 
 
 def _silent(stage: str, done: int, total: int) -> None:
@@ -106,6 +106,15 @@ def _grown(survey: SurveyInput, options: SurveyOptions, tell: SurveyProgress) ->
     total = len(survey.names)
     tell("network", 0, total)
     return grow_networks(survey.problem, options.growth, lambda oriented: tell("network", oriented, total))
+
+
+def _standing(survey: SurveyInput, clean: CleanNetwork, options: QualityOptions) -> StandingTargets:
+    network, sightings = clean.adjusted.network, clean.problem.sightings
+    return StandingTargets(
+        survey.codes[clean.part.targets],
+        well_seen(network, sightings, options.fewest_rays, options),
+        well_seen(network, sightings, options.fewest_control_rays, options),
+    )
 
 
 def _result(outcome: SurveyOutcome, plate: PlateSpec) -> SurveyResult:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from app.geometry.control import ControlPoint
 from app.photogrammetry.cleaning import CleanNetwork
+from app.photogrammetry.control import StandingTargets
 from app.photogrammetry.growth import Growth
 from app.photogrammetry.site_network import SiteNetwork
 from app.photogrammetry.survey_input import SurveyInput
@@ -27,18 +28,20 @@ class SurveyOutcome:
     chosen : int
         Which of them is published.
     clean : CleanNetwork
+    standing : StandingTargets
     site : SiteNetwork
     solution : Solution
     points : tuple of ControlPoint
         Control and check points as given.
     fewest_rays : int
-        Photographs that must see a target.
+        Photographs that must see a published target.
     """
 
     survey: SurveyInput
     networks: tuple[Growth, ...]
     chosen: int
     clean: CleanNetwork
+    standing: StandingTargets
     site: SiteNetwork
     solution: Solution
     points: tuple[ControlPoint, ...]
@@ -46,10 +49,10 @@ class SurveyOutcome:
 
     @property
     def codes(self) -> npt.NDArray[np.intp]:
-        """Codes of the published network's targets, shape (T,)."""
-        return self.survey.codes[self.clean.part.targets]
+        """Codes of the chosen network's targets, shape (T,)."""
+        return self.standing.codes
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the published network's photographs."""
+        """Names of the chosen network's photographs."""
         return tuple(self.survey.names[photo] for photo in self.clean.part.photos)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from app.errors import SurveyFailed
 from app.photogrammetry.choose_network import describe_part
+from app.photogrammetry.control import StandingTargets
 from app.photogrammetry.report import LeftOutRecord
 from app.photogrammetry.survey_input import OVERLAP_ADVICE, SurveyInput, Unoriented
 from app.photogrammetry.survey_outcome import SurveyOutcome
 
 
-def check_published(survey: SurveyInput, published: npt.NDArray[np.bool_]) -> None:
+def check_published(survey: SurveyInput, standing: StandingTargets) -> None:
     """Refuse a survey that publishes nothing.
 
     Raises
@@ -20,7 +20,7 @@ def check_published(survey: SurveyInput, published: npt.NDArray[np.bool_]) -> No
     SurveyFailed
         Reason ``no-intersection``.
     """
-    if not published.any():
+    if not standing.published.any():
         raise SurveyFailed(
             f"None of the {len(survey.codes)} targets is seen from three places whose rays meet at 5 degrees or more: "
             f"{OVERLAP_ADVICE}.",
@@ -73,13 +73,16 @@ def left_out_targets(outcome: SurveyOutcome) -> tuple[LeftOutRecord, ...]:
 
 
 def _too_weak(outcome: SurveyOutcome, target: int, seen: int) -> LeftOutRecord:
+    """Too few photographs agree on the target, or their rays are too nearly parallel."""
     code = int(outcome.survey.codes[target])
-    place = np.searchsorted(outcome.clean.part.targets, target)
-    standing = place < len(outcome.clean.part.targets) and outcome.clean.part.targets[place] == target
-    rays = int(outcome.solution.problem.sightings.rays()[place]) if standing else 0
-    if standing and rays >= outcome.fewest_rays:
-        angle_deg = float(np.degrees(outcome.solution.angles_rad[place]))
+    place = np.flatnonzero(outcome.clean.part.targets == target)
+    rays = int(outcome.solution.problem.sightings.rays()[place].sum())
+    if rays >= outcome.fewest_rays:
+        angle_deg = float(np.degrees(outcome.solution.angles_rad[place].max()))
         detail = f"its {rays} rays meet at {angle_deg:.1f} degrees at most: photograph it from places farther apart"
         return LeftOutRecord(code, "angle", detail)
-    detail = f"{rays} of {seen} photographs that show it agree on its place, and three are needed: photograph it again"
+    detail = (
+        f"{rays} of the {seen} photographs that show it agree on its place and {outcome.fewest_rays} must: photograph "
+        "it again"
+    )
     return LeftOutRecord(code, "rays", detail)

@@ -46,7 +46,8 @@ def write_report(
     degrees_of_freedom = redundancy(solution.problem)
     return AdjustmentReport(
         # The image weights were scaled once by what the free network showed.
-        sigma0=site.sigma0 * float(np.sqrt(site.adjusted.cost / degrees_of_freedom)),
+        sigma0=site.components.sigma0 * float(np.sqrt(site.adjusted.cost / degrees_of_freedom)),
+        plate_sigmas=site.components.sigmas,
         redundancy=degrees_of_freedom,
         observations=2 * int(solution.problem.sightings.measured.sum()),
         steps=site.adjusted.steps,
@@ -69,7 +70,7 @@ def write_report(
 def _points(outcome: SurveyOutcome, role: Role) -> tuple[tuple[ControlRecord, ...], float | None]:
     """Points of one role with what the map says of them, and their root mean square 3-D residual."""
     solution = outcome.solution
-    matched = match_points(outcome.points, role, outcome.codes, solution.published, solution.problem.u_m)
+    matched = match_points(outcome.points, role, outcome.standing, solution.problem.u_m)
     residuals_m = matched.equations.computed_m(solution.network) - matched.equations.position_m
     seen = [
         ControlRecord(point.name, point.code, point.dot, role, point.sigma_m, row)
@@ -162,9 +163,12 @@ def _false_sightings(outcome: SurveyOutcome) -> tuple[FalseSightingRecord, ...]:
 def _warnings(outcome: SurveyOutcome, unoriented: Sequence[Unoriented]) -> tuple[str, ...]:
     """What the surveyor should look at."""
     warnings = []
-    unseen = [point.name for point in outcome.points if point.code not in outcome.codes[outcome.solution.published]]
+    carrying = outcome.codes[outcome.standing.carrying]
+    unseen = [point.name for point in outcome.points if point.code not in carrying]
     if unseen:
-        warnings.append(f"Control or check points {', '.join(unseen)} are on targets that are not in the map.")
+        warnings.append(
+            f"Control or check points {', '.join(unseen)} are on targets that fewer than two photographs show."
+        )
     if unoriented:
         warnings.append(f"{len(unoriented)} photographs have no pose; their reasons are listed.")
     if not outcome.site.adjusted.converged:

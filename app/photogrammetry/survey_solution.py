@@ -9,13 +9,13 @@ import numpy.typing as npt
 
 from app.errors import SurveyFailed
 from app.geometry.target_map import Datum
-from app.photogrammetry.bundle import Adjusted, BundleOptions
+from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.collinearity import whitened_residuals
 from app.photogrammetry.covariance import PartedCovariances, part_datum, pose_covariances, reduced_at
 from app.photogrammetry.datum import assumed_covariance
 from app.photogrammetry.network import Network
-from app.photogrammetry.quality import QualityOptions, intersection_angles
+from app.photogrammetry.quality import intersection_angles
 from app.photogrammetry.site_network import SiteNetwork
 
 Array = npt.NDArray[np.float64]
@@ -57,12 +57,6 @@ class Solution:
     def datum(self) -> Datum:
         """What all targets share."""
         return self.parted.datum
-
-
-def publishable(problem: BundleProblem, adjusted: Adjusted, options: QualityOptions) -> Mask:
-    """Targets with enough rays at a great enough angle, shape (T,)."""
-    angles = intersection_angles(adjusted.network, problem.sightings)
-    return (problem.sightings.rays() >= options.fewest_rays) & (angles >= options.least_angle_rad)
 
 
 def solve_uncertainty(site: SiteNetwork, published: Mask) -> Solution:
