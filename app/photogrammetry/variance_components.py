@@ -94,10 +94,8 @@ def estimate_components(
     squares[2] -= squares[:2].sum()
     redundancies[2] -= redundancies[:2].sum()
     sigma0 = float(np.sqrt(squares.sum() / max(redundancies.sum(), 1.0)))
-    if redundancies.min() < options.fewest:
-        sigmas = np.full(3, sigma0)
-    else:
-        sigmas = np.sqrt(squares / redundancies)
+    apart = redundancies.min() >= options.fewest
+    sigmas = np.sqrt(squares / redundancies) if apart else np.full(3, sigma0)
     return Components(sigma0, PlateSigmas(*np.maximum(sigmas, options.least_sigma).tolist()))
 
 
