@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -38,8 +38,7 @@ def running_service(data_dir: Path) -> Iterator[str]:
     ServiceFailed
         With the last lines of its log when it does not start.
     """
-    # Settings of this shell stay out: the demo shall meet neither another database nor another's limits.
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("SCATTERMARK_")}
+    environment = without_settings(os.environ)
     command = [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--data-dir", str(data_dir)]
     log_path = data_dir / LOG_NAME
     with (
@@ -50,6 +49,11 @@ def running_service(data_dir: Path) -> Iterator[str]:
             yield _url(service, log_path)
         finally:
             _stop(service)
+
+
+def without_settings(environment: Mapping[str, str]) -> dict[str, str]:
+    """An environment without this shell's settings: the demo shall meet neither another database nor other limits."""
+    return {name: value for name, value in environment.items() if not name.startswith("SCATTERMARK_")}
 
 
 def _url(service: subprocess.Popen[str], log_path: Path) -> str:

@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 import socket
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from app.cli import main
-from app.cli.demo_service import ServiceFailed, running_service
+from app.cli.demo_service import ServiceFailed, running_service, without_settings
 from app.cli.service_client import ServiceClient, ServiceProblem
 
 
 def test_it_answers_where_it_says_and_stops(tmp_path: Path) -> None:
-    with running_service(tmp_path) as url:
+    with running_service(tmp_path) as url, closing(ServiceClient(url)) as client:
         assert url.startswith("http://127.0.0.1:")
-        ServiceClient(url).get("healthz")
-        ServiceClient(url).get("readyz")
-    with pytest.raises(ServiceProblem, match="gave no answer"):
-        ServiceClient(url).get("healthz")
+        client.get("healthz")
+        client.get("readyz")
+    with closing(ServiceClient(url)) as client, pytest.raises(ServiceProblem, match="gave no answer"):
+        client.get("healthz")
 
 
-def test_settings_of_the_shell_stay_out_of_the_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SCATTERMARK_DATABASE_URL", "postgresql://nowhere.invalid/none")
-    with running_service(tmp_path) as url:
-        ServiceClient(url).get("readyz")
+def test_settings_of_the_shell_stay_out_of_the_demo() -> None:
+    shell = {"PATH": "/bin", "SCATTERMARK_DATABASE_URL": "postgresql://elsewhere/production"}
+    assert without_settings(shell) == {"PATH": "/bin"}
 
 
 def test_a_service_that_cannot_start_shows_its_log(tmp_path: Path) -> None:
