@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
+from multiprocessing import forkserver
 
 from fastapi import FastAPI
 
@@ -43,6 +45,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     width = BuildLimits(limits, settings.build_workers, settings.detect_timeout_s, settings.adjust_timeout_s)
     runner = BuildRunner(database, MapBuilder(database, building, width))
     try:
+        _start_fork_server()
         await asyncio.gather(asyncio.to_thread(locating.start), asyncio.to_thread(building.start))
         await runner.start()
         yield Services(
@@ -56,6 +59,14 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
         await runner.close()
         await asyncio.gather(asyncio.to_thread(locating.close), asyncio.to_thread(building.close))
         database.close()
+
+
+def _start_fork_server() -> None:
+    """Let the process that workers are forked from import all that they need: once, not once per worker."""
+    if sys.platform == "win32":
+        return
+    forkserver.set_forkserver_preload([start_worker.__module__])
+    forkserver.ensure_running()
 
 
 def _open_storage(settings: Settings) -> tuple[Database, PhotoStore]:

@@ -9,9 +9,11 @@ from sqlalchemy.orm import Session
 from app.errors import Cancelled
 from app.geometry.control import ControlPoint
 from app.geometry.observations import Detection
+from app.geometry.target_map import TargetMap
 from app.photogrammetry.survey import PlateSpec, SurveyOptions, SurveyPhoto, SurveyResult, adjust_survey
 from app.services.build_options import BuildOptions
 from app.services.detect_work import DetectSettings
+from app.services.extend_map import anchored_points, anchors_of, extend_map
 from app.services.job_progress import JobProgress
 from app.services.workbench import workbench
 from app.storage.database import Database
@@ -48,6 +50,7 @@ class _Material:
     survey: Survey
     photos: tuple[SurveyPhoto, ...]
     control: tuple[ControlPoint, ...]
+    base: TargetMap | None
 
 
 def adjust_and_publish(task: AdjustTask) -> int:
@@ -73,16 +76,27 @@ def _gather(session: Session, task: AdjustTask) -> _Material:
     job = JobRepository(session).get(task.job_id)
     options = BuildOptions.from_json(job.options)
     site = SiteRepository(session).get(job.site_id)
-    control = options.exclude.points_left(SiteRepository(session).control_points(job.site_id))
-    surveys, detections = SurveyRepository(session), DetectionRepository(session)
-    settings = DetectSettings(site.code_family, options.strictness)
-    left_out = {*options.exclude.images, *(photo.name for photo in task.unreadable)}
+    points = options.exclude.points_left(SiteRepository(session).control_points(job.site_id))
+    photos = _survey_photos(session, job, DetectSettings(site.code_family, options.strictness), task.unreadable)
+    survey = SurveyRepository(session).get(job.survey_id)
+    if options.base_version is None:
+        return _Material(job, options, site, survey, photos, points, None)
+    base = TargetMapRepository(session).load(job.site_id, options.base_version)
+    control = anchored_points(anchors_of(base, [photo.detection for photo in photos]), points)
+    return _Material(job, options, site, survey, photos, control, base)
+
+
+def _survey_photos(
+    session: Session, job: Job, settings: DetectSettings, unreadable: tuple[Unreadable, ...]
+) -> tuple[SurveyPhoto, ...]:
+    exclude, detections = BuildOptions.from_json(job.options).exclude, DetectionRepository(session)
+    left_out = {*exclude.images, *(photo.name for photo in unreadable)}
     photos = []
-    for photo in surveys.photos(job.survey_id):
-        detection = detections.get(settings.key(photo.sha256))
-        if photo.name not in left_out and detection is not None:
-            photos.append(SurveyPhoto(photo.name, photo.identity, _without(detection, options.exclude.codes)))
-    return _Material(job, options, site, surveys.get(job.survey_id), tuple(photos), control)
+    for photo in SurveyRepository(session).photos(job.survey_id):
+        detection = None if photo.name in left_out else detections.get(settings.key(photo.sha256))
+        if detection is not None:
+            photos.append(SurveyPhoto(photo.name, photo.identity, _without(detection, exclude.codes)))
+    return tuple(photos)
 
 
 def _without(detection: Detection, codes: tuple[int, ...]) -> Detection:
@@ -93,7 +107,12 @@ def _publication(material: _Material, result: SurveyResult, unreadable: tuple[Un
     device_id = material.survey.device_id
     origin = Origin(material.survey.survey_id, material.job.job_id, material.options.base_version)
     cameras = tuple(NewCamera(camera.identity, camera.calibrated, device_id) for camera in result.cameras)
-    return Publication(result.target_map, origin, cameras, _photo_results(result, unreadable), result.report.to_json())
+    photos, report = _photo_results(result, unreadable), result.report.to_json()
+    if material.base is None:
+        return Publication(result.target_map, origin, cameras, photos, report)
+    extension = extend_map(material.base, result.target_map, material.options.exclude.codes)
+    told = {"base_version": origin.base_version, "added": list(extension.added), "moved": list(extension.moved)}
+    return Publication(extension.target_map, origin, cameras, photos, {**report, "extension": told})
 
 
 def _photo_results(result: SurveyResult, unreadable: tuple[Unreadable, ...]) -> tuple[PhotoResult, ...]:

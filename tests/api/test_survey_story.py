@@ -118,3 +118,32 @@ def test_a_cancelled_build_publishes_nothing(served: Served, room: SurveyedRoom)
 def test_a_site_without_a_map_says_so(served: Served, call: str) -> None:
     problem = assert_problem(served.client.get(f"/sites/{served.new_site()}/{call}"), 409, "conflict")
     assert "build" in problem["detail"]
+
+
+def test_a_build_extends_a_map_whose_targets_stand(served: Served, room: SurveyedRoom) -> None:
+    points = served.client.get(f"/sites/{room.site_id}/control-points").json()["control_points"]
+    published = served.client.get(f"/sites/{room.site_id}/targets").json()["targets"]
+    plain = sorted({target["code"] for target in published} - {point["code"] for point in points})
+    part = served.build(room.survey_id, exclude={"codes": plain[::3]}, activate=False)
+    assert part["state"] == "succeeded", part
+    base_version = part["result"]["map_version"]
+    whole = served.build(room.survey_id, base_version=base_version, activate=False)
+    assert whole["state"] == "succeeded", whole
+
+    def targets(version: int) -> dict[int, dict[str, object]]:
+        published = served.client.get(f"/sites/{room.site_id}/targets", params={"version": version}).json()
+        return {target["code"]: target for target in published["targets"]}
+
+    base, extended = targets(base_version), targets(whole["result"]["map_version"])
+    assert set(base) < set(extended)
+    assert not set(plain[::3]) & set(base)
+    report = served.client.get(whole["result"]["report_url"]).json()["extension"]
+    assert report["base_version"] == base_version
+    assert set(report["added"]) == set(extended) - set(base)
+    assert report["moved"] == []
+    for code, target in base.items():
+        assert extended[code] == target
+    record = json.loads((ROOM / "targets_truth.json").read_text())
+    truth = {target["code"]: np.array(target["dots_m"]) for target in record["targets"]}
+    errors_m = [np.array(extended[code]["dots_m"]) - truth[code] for code in report["added"]]
+    assert np.sqrt((np.concatenate(errors_m) ** 2).sum(axis=1).mean()) < 2 * RMSE_LIMIT_M
