@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import sys
 import tempfile
 import threading
 from pathlib import Path
@@ -37,8 +38,13 @@ def run_demo(arguments: argparse.Namespace) -> int:
         if arguments.keep:
             _wait(url, surveyed.site_id, room)
     if not (arguments.keep or arguments.json):
-        print(f"\nTo keep the service running and try it: scattermark demo {arguments.room} --keep")
+        print(f"\nTo keep the service running and try it: {_program()} demo {arguments.room} --keep")
     return 0
+
+
+def _program() -> str:
+    """How this command line was called."""
+    return sys.argv[0] if Path(sys.argv[0]).name == "scattermark" else f"{sys.executable} -m app.cli"
 
 
 def _stories(client: ServiceClient, room: Room, family: str, report: Report) -> tuple[Surveyed, list[Located]]:
@@ -61,6 +67,8 @@ def _wait(url: str, site_id: str, room: Room) -> None:
     """Keep the service until Ctrl-C."""
     snapshot = room.snapshots[0]
     print(f"\nThe service runs at {url} ({url}/docs lists its calls) until you press Ctrl-C. Try:")
-    print(f"  curl --data-binary @{snapshot} '{url}/locate?site_id={site_id}'", flush=True)
+    print(
+        f"  curl -H 'Content-Type: image/jpeg' --data-binary @{snapshot} '{url}/locate?site_id={site_id}'", flush=True
+    )
     with contextlib.suppress(KeyboardInterrupt):
         threading.Event().wait()

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -25,10 +26,12 @@ def print_scores(located: list[Located], scores: list[SnapshotScore] | None) -> 
     """The accuracy table, or the poses alone where no truth is known."""
     console = Console()
     if not console.is_terminal:
-        console = Console(width=TABLE_WIDTH)
+        console = Console(width=TABLE_WIDTH, highlight=False)
     if scores is None:
+        console.print("Snapshots (no truth is known of this room)")
         console.print(_pose_table(located))
         return
+    console.print("Snapshots against the truth: estimate - truth, and the claimed 3-D sigma")
     console.print(_score_table(scores))
     rmse = rmse_of_scores(scores)
     if rmse is None:
@@ -66,13 +69,10 @@ def _located_to_json(located: Located) -> dict[str, Any]:
 
 
 def _score_table(scores: list[SnapshotScore]) -> Table:
-    table = Table(title="Snapshots against the truth (estimate - truth)")
-    table.add_column("snapshot")
-    for heading in ("dx mm", "dy mm", "dz mm", "distance mm", "angle deg", "sigma mm"):
-        table.add_column(heading, justify="right")
+    table = _table(["dx mm", "dy mm", "dz mm", "distance mm", "angle deg", "sigma mm"])
     for score in scores:
         if score.error_m is None or score.sigma_m is None or score.angle_deg is None:
-            table.add_row(score.name, f"refused: {score.reason}")
+            table.add_row(score.name, *["-"] * 6, f"refused: {score.reason}")
             continue
         dx_m, dy_m, dz_m = score.error_m
         numbers = [dx_m, dy_m, dz_m, float(np.linalg.norm(score.error_m))]
@@ -82,16 +82,23 @@ def _score_table(scores: list[SnapshotScore]) -> Table:
 
 
 def _pose_table(located: list[Located]) -> Table:
-    table = Table(title="Snapshots (no truth is known of this room)")
-    table.add_column("snapshot")
-    for heading in ("x m", "y m", "z m", "sigma mm"):
-        table.add_column(heading, justify="right")
+    table = _table(["x m", "y m", "z m", "sigma mm"])
     for one in located:
         if one.site_from_cam is None or one.sigma_m is None:
-            table.add_row(one.name, f"refused: {one.reason}")
+            table.add_row(one.name, *["-"] * 4, f"refused: {one.reason}")
             continue
         position = [f"{coordinate_m:.4f}" for coordinate_m in one.site_from_cam.position_m]
         table.add_row(one.name, *position, _mm(float(np.linalg.norm(one.sigma_m))))
+    return table
+
+
+def _table(headings: list[str]) -> Table:
+    """A table in Markdown, so that it can be quoted as it is."""
+    table = Table(box=box.MARKDOWN)
+    table.add_column("snapshot")
+    for heading in headings:
+        table.add_column(heading, justify="right")
+    table.add_column("")
     return table
 
 
