@@ -116,7 +116,9 @@ def _enforce_foreign_keys(connection: Connection, wanted: bool) -> None:
 
 def _engine(url: str, *, read_only: bool) -> Engine:
     if not url.startswith("sqlite"):
-        return create_engine(url, pool_pre_ping=True).execution_options(postgresql_readonly=read_only)
+        isolation = "REPEATABLE READ" if read_only else "READ COMMITTED"
+        engine = create_engine(url, pool_pre_ping=True, isolation_level=isolation)
+        return engine.execution_options(postgresql_readonly=read_only)
     engine = create_engine(url, connect_args={"timeout": BUSY_TIMEOUT_MS / 1000})
     begin = "BEGIN" if read_only else "BEGIN IMMEDIATE"
 

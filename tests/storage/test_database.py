@@ -6,8 +6,10 @@ import subprocess
 import sys
 import textwrap
 import threading
+from pathlib import Path
 
 import pytest
+from sqlalchemy.exc import DBAPIError
 
 from app.errors import NotFound
 from app.storage import database as database_module
@@ -79,13 +81,14 @@ def test_what_raises_is_undone(database: Database) -> None:
 
 
 def test_a_reader_cannot_write(database: Database) -> None:
-    with pytest.raises(StorageUnavailable, match=r"readonly|read-only"), database.reading() as session:
+    with pytest.raises((StorageUnavailable, DBAPIError), match=r"readonly|read-only"), database.reading() as session:
         SiteRepository(session).add("room", "golay", 0.014, None)
 
 
-def test_a_lock_that_is_never_given_up_is_said_so(database_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_lock_that_is_never_given_up_is_said_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(database_module, "BUSY_TIMEOUT_MS", 20)
-    first, second = Database(database_url), Database(database_url)
+    url = f"sqlite:///{tmp_path / 'locked.db'}"
+    first, second = Database(url), Database(url)
     try:
         with first.writing() as held:
             held.connection()
