@@ -1,6 +1,8 @@
 # Two commands matter: `make demo` and `make test`. Each sets itself up: all they need is make and Python 3.11 or newer.
 
-PYTHON ?= $(firstword $(foreach name,python3.13 python3.12 python3.11 python3.14 python3 python,$(shell command -v $(name) 2>/dev/null)))
+# The first that runs and is new enough: version managers leave names on the path that do not run.
+PYTHON ?= $(shell for name in python3.13 python3.12 python3.11 python3.14 python3 python; do \
+	"$$name" -c 'import sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { command -v "$$name"; break; }; done)
 VENV ?= .venv
 ROOM ?= examples/room
 BIN := $(VENV)/bin
@@ -35,7 +37,7 @@ clean: ## remove the virtual environment and caches
 
 # The stamps make the set-up happen once, and again when the dependencies change.
 $(VENV)/.ready: pyproject.toml
-	@test -n "$(PYTHON)" || { echo "No Python found: install Python 3.11 or newer, or say make PYTHON=/path/to/python." >&2; exit 1; }
+	@test -n "$(PYTHON)" || { echo "No Python 3.11 or newer found that runs: install one, or say make PYTHON=/path/to/python." >&2; exit 1; }
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON) is older than Python 3.11: install a newer one, or say make PYTHON=/path/to/python." >&2; exit 1; }
 	@echo "Setting up $(VENV) with $(PYTHON) (once)" >&2
 	@"$(PYTHON)" -m venv "$(VENV)" || { echo "$(PYTHON) cannot make a virtual environment: install its venv module (Debian and Ubuntu: apt install python3-venv)." >&2; exit 1; }

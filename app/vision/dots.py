@@ -16,6 +16,8 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
+STRIP_ROWS = 128  # of a 12-megapixel photograph 1.5 MB: a processor core's own cache
+
 
 @dataclass(frozen=True)
 class DotOptions:
@@ -86,8 +88,7 @@ class Blobs:
 
 def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
     """Blobs of red pixels in a photograph of shape (H, W, 3)."""
-    excess = _red_excess(bgr, options)
-    mask = _upper_half(excess, options)
+    excess, mask = _red_pictures(bgr, options)
     outlines, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
     least, most = options.contour_points_min, options.contour_points_max
     outlines = [outline for outline in outlines if least <= len(outline) <= most]
@@ -101,11 +102,30 @@ def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
     return Blobs(centres_px[strongest], semi_axes_px[strongest])
 
 
-def _red_excess(bgr: Pixels, options: DotOptions) -> Pixels:
+def _red_pictures(bgr: Pixels, options: DotOptions) -> tuple[Pixels, Pixels]:
+    """How much redder than grey each pixel is, and 1 where it belongs to the upper half of its own peak; both (H, W).
+
+    Strip by strip, so that each step finds the last one's result in the processor's cache.
+    """
+    gain = _red_gain(bgr, options)
+    height = len(bgr)
+    excess, mask = np.empty(bgr.shape[:2], dtype=np.uint8), np.empty(bgr.shape[:2], dtype=np.uint8)
+    halo = options.smooth_px // 2 + options.peak_window_px // 2
+    for first in range(0, height, STRIP_ROWS):
+        last = min(first + STRIP_ROWS, height)
+        above, below = max(first - halo, 0), min(last + halo, height)
+        strip = _red_excess(bgr[above:below], gain, options)
+        inner = slice(first - above, last - above)
+        excess[first:last] = strip[inner]
+        mask[first:last] = _upper_half(strip, options)[inner]
+    return excess, mask
+
+
+def _red_excess(bgr: Pixels, gain: float, options: DotOptions) -> Pixels:
     """How much redder than grey each pixel is, shape (H, W); 0 for all that is not red."""
     blue, green, red = cv2.split(bgr)
     # Saturating arithmetic: all that is not red is 0.
-    excess = cv2.addWeighted(red, _red_gain(bgr, options), cv2.max(green, blue), -options.red_ratio, 0.0)
+    excess = cv2.addWeighted(red, gain, cv2.max(green, blue), -options.red_ratio, 0.0)
     return np.asarray(cv2.blur(excess, (options.smooth_px, options.smooth_px)), dtype=np.uint8)
 
 

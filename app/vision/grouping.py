@@ -34,6 +34,8 @@ class GroupingOptions:
     neighbours : int
         Blobs about E that are looked at: four of its own plate and those of the plates around it, which stand
         farther off than C unless plates touch.
+    nearest_a : int
+        A is the base dot nearest to E: it stands among this many of the nearest blobs, even between touching plates.
     area_ratio_max : float
         Greatest ratio of two dots' areas: perspective gives 1.5 on a near plate, noise on small dots the rest.
     diagonal_pitch_axes : tuple of float
@@ -52,6 +54,7 @@ class GroupingOptions:
     """
 
     neighbours: int = 12
+    nearest_a: int = 6
     area_ratio_max: float = 3.5
     diagonal_pitch_axes: tuple[float, float] = (1.0, 10.0)
     stretch: tuple[float, float] = (1.1, 3.6)
@@ -111,7 +114,8 @@ def _diagonals(blobs: Blobs, nearest: Indices, alike: npt.NDArray[np.bool_], opt
     distance_px = np.hypot(from_e_px[..., 0], from_e_px[..., 1])
     axes = distance_px / blobs.semi_axes_px[:, :1]
     least, most = options.diagonal_pitch_axes
-    e, slot_a = np.nonzero(alike & (axes > least) & (axes < most))
+    near = np.arange(nearest.shape[1]) < options.nearest_a
+    e, slot_a = np.nonzero(alike & near & (axes > least) & (axes < most))
     to_a_px, length_px = from_e_px[e, slot_a], distance_px[e, slot_a]
     along = np.einsum("mkc,mc->mk", from_e_px[e], to_a_px) / length_px[:, None] ** 2
     across = cross(to_a_px[:, None], from_e_px[e]) / length_px[:, None] ** 2
