@@ -10,17 +10,22 @@ from app.errors import InvalidInput
 
 PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".webp")
 STRICTNESSES = ("strict", "normal", "eager")
-FAMILIES = ("golay", "hamming", "parity", "full")  # tests hold it equal to the library's list, whose import is slow
+# Tests hold these equal to the library's lists, whose import is slow.
+FAMILIES = ("golay", "hamming", "parity", "full")
+DETECTORS = ("default", "paper")
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
     """Options that say how targets are read."""
     parser.add_argument("--family", default="golay", choices=FAMILIES, help="code family of the plates (golay)")
     parser.add_argument(
+        "--detector", default="default", choices=DETECTORS, help="the default, or the published method as a baseline"
+    )
+    parser.add_argument(
         "--strictness",
-        default="normal",
         choices=STRICTNESSES,
-        help="evidence that a target needs: strict mends no dot, normal one, eager two (normal)",
+        help="evidence that a target needs: strict mends no dot, normal one, eager two "
+        "(normal; the published method mends none)",
     )
 
 

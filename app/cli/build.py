@@ -40,12 +40,13 @@ def run(arguments: argparse.Namespace) -> int:
     from app.cli.in_parallel import in_parallel
     from app.geometry.map_file import MapCamera, MapFile, write_map
     from app.photogrammetry.survey import PlateSpec, adjust_survey
+    from app.vision.detectors import choose_detector
 
+    detector = choose_detector(arguments.detector, arguments.strictness)
     plate = PlateSpec(arguments.family, arguments.u_mm / MM_PER_M)
     control = read_control(arguments.control, arguments.family) if arguments.control else ()
     with progress() as report:
-        reading = (arguments.family, arguments.strictness)
-        photos = in_parallel(detect_file, paths, reading, arguments.workers, report)
+        photos = in_parallel(detect_file, paths, (arguments.family, detector), arguments.workers, report)
         survey = adjust_survey(photos, control, plate, progress=report)
     cameras = tuple(MapCamera(camera.identity, camera.calibrated) for camera in survey.cameras)
     write_map(arguments.out, MapFile(survey.target_map, cameras))

@@ -28,12 +28,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Detect, draw, print."""
     from app.cli.read_photo import read_photo
     from app.targets.family import family_by_name
-    from app.vision.detector import DetectorOptions, detect
+    from app.vision.detectors import choose_detector
 
     path = arguments.photo
+    detector = choose_detector(arguments.detector, arguments.strictness)
     photo = read_photo(path)
-    options = DetectorOptions(strictness=arguments.strictness)
-    detection = detect(photo.bgr, family_by_name(arguments.family), options)
+    detection = detector.detect(photo.bgr, family_by_name(arguments.family))
     if arguments.overlay is not None:
         _write_overlay(arguments.overlay, photo.bgr, detection)
     if arguments.json:

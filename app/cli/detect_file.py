@@ -7,12 +7,10 @@ from pathlib import Path
 from app.cli.read_photo import read_photo
 from app.photogrammetry.survey import SurveyPhoto
 from app.targets.family import family_by_name
-from app.vision.detector import DetectorOptions, detect
-from app.vision.reading import Strictness
+from app.vision.detectors import Detector
 
 
-def detect_file(path: Path, family_name: str, strictness: Strictness) -> SurveyPhoto:
+def detect_file(path: Path, family_name: str, detector: Detector) -> SurveyPhoto:
     """Read and detect; errors name the file."""
     photo = read_photo(path)
-    detection = detect(photo.bgr, family_by_name(family_name), DetectorOptions(strictness=strictness))
-    return SurveyPhoto(path.name, photo.identity, detection)
+    return SurveyPhoto(path.name, photo.identity, detector.detect(photo.bgr, family_by_name(family_name)))

@@ -26,6 +26,9 @@ from app.vision.paper_groups import GroupOptions, group_base_dots
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
+# Changes whenever the same photograph could give other numbers: stored detections are kept by it.
+PAPER_VERSION = "paper-1"
+
 BASE, DIGITS = list(BASE_CELLS), list(DIGIT_CELLS)
 FULL_SCALE = 255.0
 

@@ -11,9 +11,10 @@ from typing import get_args
 import pytest
 
 from app.cli import COMMANDS, main
-from app.cli.arguments import FAMILIES, STRICTNESSES, photo_files
+from app.cli.arguments import DETECTORS, FAMILIES, STRICTNESSES, photo_files
 from app.errors import InvalidInput
 from app.targets.family import FAMILY_NAMES
+from app.vision.detectors import DETECTOR_NAMES
 from app.vision.reading import Strictness
 
 
@@ -40,6 +41,7 @@ def test_every_command_explains_itself(command: str, capsys: pytest.CaptureFixtu
     [
         (["detect", "absent.jpg"], "absent.jpg: No such file"),
         (["detect", "."], "Is a directory"),
+        (["detect", "a.jpg", "--detector", "paper", "--strictness", "eager"], "mends no misread dot"),
         (["build", "absent.jpg", "--out", "map.json"], "there is no photograph absent.jpg"),
         (["build", ".", "--out", "map.json"], "holds no photograph"),
         (["locate", "absent.jpg", "--map", "absent.json"], "cannot read the map absent.json"),
@@ -87,6 +89,7 @@ def test_help_does_not_wait_for_the_library() -> None:
 
 def test_choices_are_the_librarys() -> None:
     assert FAMILIES == FAMILY_NAMES
+    assert DETECTORS == DETECTOR_NAMES
     assert get_args(Strictness) == STRICTNESSES
 
 
