@@ -77,7 +77,7 @@ def _gather(session: Session, task: AdjustTask) -> _Material:
     options = BuildOptions.from_json(job.options)
     site = SiteRepository(session).get(job.site_id)
     points = options.exclude.points_left(SiteRepository(session).control_points(job.site_id))
-    photos = _survey_photos(session, job, DetectSettings(site.code_family, options.strictness), task.unreadable)
+    photos = _survey_photos(session, job, DetectSettings.of(site.code_family, options), task.unreadable)
     survey = SurveyRepository(session).get(job.survey_id)
     if options.base_version is None:
         return _Material(job, options, site, survey, photos, points, None)

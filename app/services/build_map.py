@@ -84,7 +84,7 @@ class MapBuilder:
     def _plan(self, job: Job, options: BuildOptions) -> _Plan:
         with self._database.reading() as session:
             family = SiteRepository(session).get(job.site_id).code_family
-            settings = DetectSettings(family, options.strictness)
+            settings = DetectSettings.of(family, options)
             photos = tuple(
                 (photo.name, photo.sha256)
                 for photo in SurveyRepository(session).photos(job.survey_id)

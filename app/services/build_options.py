@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
 from app.geometry.control import ControlPoint
+from app.vision.detectors import DetectorName
 
 Strictness = Literal["strict", "normal", "eager"]
 STRICTNESSES: tuple[Strictness, ...] = get_args(Strictness)
@@ -39,12 +40,15 @@ class BuildOptions:
         Whether snapshots are located in the new map at once.
     base_version : int or None
         The map that is extended; its datum stands.
+    detector : str
+        Who reads the photographs. The published method is a baseline for comparisons: requests do not name it.
     """
 
     exclude: Exclusion = Exclusion()
     strictness: Strictness = "normal"
     activate: bool = True
     base_version: int | None = None
+    detector: DetectorName = "default"
 
     def to_json(self) -> dict[str, Any]:
         """A record for the job's row."""
@@ -54,4 +58,4 @@ class BuildOptions:
     def from_json(cls, record: dict[str, Any]) -> BuildOptions:
         """The options that ``to_json`` wrote."""
         exclude = {name: tuple(values) for name, values in record["exclude"].items()}
-        return cls(Exclusion(**exclude), record["strictness"], record["activate"], record["base_version"])
+        return cls(**{**record, "exclude": Exclusion(**exclude)})

@@ -17,6 +17,7 @@ from app.storage.sites import SiteRepository
 from app.storage.surveys import SurveyRepository
 from app.storage.target_maps import TargetMapRepository
 from app.targets.family import family_by_name
+from app.vision.detectors import choose_detector
 
 BUILD = "build"  # the kind of job
 LEAST_PHOTOS = 2  # a target's place takes rays from several photographs
@@ -32,8 +33,10 @@ def request_build(database: Database, queue: BuildQueue, survey_id: str, options
     Conflict
         When the survey has too few photographs.
     InvalidInput
-        When something is excluded that is not there, or too few control points are left.
+        When something is excluded that is not there, too few control points are left, or the detector cannot be as
+        strict as that.
     """
+    choose_detector(options.detector, options.strictness)
     with database.writing() as session:
         survey = SurveyRepository(session).get(survey_id)
         _check_photos(session, survey, options.exclude)
