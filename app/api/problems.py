@@ -52,6 +52,7 @@ TABLE: dict[type[errors.ScattermarkError], Kind] = {
 }
 
 HTTP_PROBLEMS: dict[int, tuple[str, str, str]] = {
+    400: ("bad-request", "Bad request", "the request cannot be read ({detail}); /docs shows what is expected"),
     404: ("not-found", "Not found", "there is nothing at {path}; /docs lists the calls"),
     405: ("method-not-allowed", "Method not allowed", "{path} does not take {method}; /docs lists the calls"),
     406: ("not-acceptable", "Not acceptable", "{detail}"),

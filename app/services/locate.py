@@ -112,7 +112,7 @@ class Locator:
         return _Prepared(heading, known)
 
     def _record(self, request: LocateRequest, heading: Heading, outcome: LocateOutcome) -> Snapshot:
-        with self._database.writing() as session:
+        with self._database.recording() as session:
             trajectories = TrajectoryRepository(session)
             if request.trajectory_id is None:
                 trajectory = trajectories.default(heading.site_id, heading.device_id)

@@ -1,4 +1,4 @@
-"""The database: one engine for writers, one for readers, and a session that commits once at the edge.
+"""The database: engines for writers and for readers, and a session that commits once at the edge.
 
 SQLite loses updates under its driver's default transactions, so a writer takes the write lock when it begins
 (``BEGIN IMMEDIATE``) and a reader cannot write at all.
@@ -38,6 +38,7 @@ class Database:
     def __init__(self, url: str) -> None:
         self.url = url
         self.writer = _engine(url, read_only=False)
+        self.recorder = _engine(url, read_only=False, synchronous="NORMAL")
         self.reader = _engine(url, read_only=True)
 
     @contextmanager
@@ -50,6 +51,18 @@ class Database:
             When the database stays locked or is gone.
         """
         with _translated(), Session(self.writer, expire_on_commit=False) as session, session.begin():
+            yield session
+
+    @contextmanager
+    def recording(self) -> Iterator[Session]:
+        """``writing`` for poses, many a second: on SQLite a power cut may lose the last of them, and nothing else.
+
+        Raises
+        ------
+        StorageUnavailable
+            When the database stays locked or is gone.
+        """
+        with _translated(), Session(self.recorder, expire_on_commit=False) as session, session.begin():
             yield session
 
     @contextmanager
@@ -93,6 +106,7 @@ class Database:
     def close(self) -> None:
         """Let go of all connections."""
         self.writer.dispose()
+        self.recorder.dispose()
         self.reader.dispose()
 
 
@@ -114,7 +128,7 @@ def _enforce_foreign_keys(connection: Connection, wanted: bool) -> None:
         driver.execute(f"PRAGMA foreign_keys={'ON' if wanted else 'OFF'}")
 
 
-def _engine(url: str, *, read_only: bool) -> Engine:
+def _engine(url: str, *, read_only: bool, synchronous: str = "FULL") -> Engine:
     if not url.startswith("sqlite"):
         isolation = "REPEATABLE READ" if read_only else "READ COMMITTED"
         engine = create_engine(url, pool_pre_ping=True, isolation_level=isolation)
@@ -126,7 +140,7 @@ def _engine(url: str, *, read_only: bool) -> Engine:
     def prepare(connection: Any, _record: Any) -> None:
         connection.isolation_level = None  # the driver shall begin nothing by itself
         connection.execute("PRAGMA journal_mode=WAL")
-        connection.execute("PRAGMA synchronous=FULL")
+        connection.execute(f"PRAGMA synchronous={synchronous}")
         connection.execute("PRAGMA foreign_keys=ON")
         if read_only:
             connection.execute("PRAGMA query_only=ON")

@@ -31,6 +31,8 @@ from app.storage.snapshots import (
 )
 from app.storage.upsert import insert_if_absent
 
+POSE_COLUMNS = ("x_m", "y_m", "z_m", "sigma_m", "rotation", "covariance")  # null in a refusal
+
 
 class TrajectoryRepository:
     """Trajectories of one session."""
@@ -64,7 +66,15 @@ class TrajectoryRepository:
 
     def default(self, site_id: str, device_id: str | None) -> Trajectory:
         """The trajectory that collects a device's snapshots of a site; made when there is none."""
-        key = json.dumps([site_id, device_id])
+        query = select(TrajectoryRow).where(TrajectoryRow.default_key == json.dumps([site_id, device_id]))
+        row = self._session.scalars(query).one_or_none()
+        if row is None:
+            self._add_default(site_id, device_id)
+            row = self._session.scalars(query).one()
+        return _trajectory(row)
+
+    def _add_default(self, site_id: str, device_id: str | None) -> None:
+        """Whoever comes first makes it."""
         insert_if_absent(
             self._session,
             TrajectoryRow,
@@ -72,11 +82,10 @@ class TrajectoryRepository:
             site_id=site_id,
             device_id=device_id,
             name="default",
-            default_key=key,
+            default_key=json.dumps([site_id, device_id]),
             created_s=time.time(),
             closed_s=None,
         )
-        return _trajectory(self._session.scalars(select(TrajectoryRow).where(TrajectoryRow.default_key == key)).one())
 
     def record(self, trajectory_id: str, snapshot: NewSnapshot) -> Snapshot:
         """Add a snapshot; one whose ``snapshot_id`` the site already has is not added: the first one is returned."""
@@ -124,7 +133,8 @@ def _snapshot_values(pose_id: str, trajectory_id: str, snapshot: NewSnapshot) ->
 
 def _outcome_values(outcome: Located | NotFoundPose, seen: dict[str, Any]) -> dict[str, Any]:
     if isinstance(outcome, NotFoundPose):
-        return {"reason": outcome.reason, "seen": {**seen, "detail": outcome.detail, "advice": outcome.advice}}
+        told = {**seen, "detail": outcome.detail, "advice": outcome.advice}
+        return {**dict.fromkeys(POSE_COLUMNS), "reason": outcome.reason, "seen": told}
     x_m, y_m, z_m = (float(value) for value in outcome.site_from_cam.position_m)
     fit = {
         "sigma0": outcome.sigma0,
@@ -134,6 +144,7 @@ def _outcome_values(outcome: Located | NotFoundPose, seen: dict[str, Any]) -> di
         "ambiguity_ratio": outcome.ambiguity_ratio,
     }
     return {
+        "reason": None,
         "x_m": x_m,
         "y_m": y_m,
         "z_m": z_m,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
-from sqlalchemy import Table, literal
+from sqlalchemy import Executable, Table, literal
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -16,9 +17,15 @@ def insert_if_absent(session: Session, model: type[Base], **values: Any) -> bool
 
     Unlike looking first, it is right when two writers come at once.
     """
+    statement = _statement(model, session.get_bind().dialect.name)
+    return session.execute(statement, values).first() is not None
+
+
+@cache
+def _statement(model: type[Base], dialect: str) -> Executable:
+    """Built once: for a pose row that takes longer than its execution."""
     table = model.__table__
     assert isinstance(table, Table)
-    insert = postgresql.insert if session.get_bind().dialect.name == "postgresql" else sqlite.insert
+    insert = postgresql.insert if dialect == "postgresql" else sqlite.insert
     # What comes back is the inserted row; the count of rows is not told by every driver.
-    statement = insert(table).values(**values).on_conflict_do_nothing().returning(literal(1))
-    return session.execute(statement).first() is not None
+    return insert(table).on_conflict_do_nothing().returning(literal(1))

@@ -15,7 +15,7 @@ from app.services.locate import LocateRequest
 router = APIRouter(tags=["locate"])
 
 
-@router.post("/locate", responses=problems(404, 409, 413, 415, 422, 500, 503, 504), openapi_extra=locate_openapi())
+@router.post("/locate", responses=problems(400, 404, 409, 413, 415, 422, 500, 503, 504), openapi_extra=locate_openapi())
 async def locate(request: Annotated[LocateRequest, Depends(locate_request)], services: Running) -> LocateAnswer:
     """Where a snapshot was taken; 422 with reason and advice when no pose can be trusted."""
     return LocateAnswer.of(await services.locator.locate(request))

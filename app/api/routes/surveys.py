@@ -69,7 +69,7 @@ async def put_photo(
     return UploadedPhotoAnswer.of_upload(added)
 
 
-@upload_router.post("/surveys/{survey_id}/images", status_code=201, responses=problems(404, 409, 413, 415, 422))
+@upload_router.post("/surveys/{survey_id}/images", status_code=201, responses=problems(400, 404, 409, 413, 415, 422))
 async def post_photos(
     survey_id: PathId, images: Annotated[list[UploadFile], File()], services: Running
 ) -> UploadAnswer:
