@@ -103,4 +103,4 @@ def _table(headings: list[str]) -> Table:
 
 
 def _mm(length_m: float) -> str:
-    return f"{MM_PER_M * length_m:.1f}"
+    return f"{MM_PER_M * length_m:z.1f}"  # z: no minus before a zero
