@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from app.photogrammetry.image_residuals import ImageResiduals
 from app.photogrammetry.plate_correlation import PlateSigmas
 
 Array = npt.NDArray[np.float64]
@@ -85,12 +86,13 @@ class CameraRecord:
 
 @dataclass(frozen=True)
 class ControlRecord:
-    """A control or check point; residual = map - list, site axes; None when its target is not in the map."""
+    """A control or check point as listed; residual = map - list, site axes; None when its target is not in the map."""
 
     name: str
     code: int
     dot: str
     role: str
+    position_m: Array
     sigma_m: float
     residual_m: Array | None
 
@@ -137,6 +139,8 @@ class AdjustmentReport:
         Root mean square 3-D residuals; None without such points.
     warnings : tuple of str
         What the surveyor should know before signing.
+    image_residuals : tuple of ImageResiduals
+        Of the photographs of each of ``cameras``.
     """
 
     sigma0: float
@@ -157,6 +161,7 @@ class AdjustmentReport:
     left_out: tuple[LeftOutRecord, ...]
     false_sightings: tuple[FalseSightingRecord, ...]
     warnings: tuple[str, ...]
+    image_residuals: tuple[ImageResiduals, ...]
 
     def to_json(self) -> dict[str, Any]:
         """A JSON-ready record of all fields, arrays as lists."""

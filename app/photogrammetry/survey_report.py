@@ -8,8 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.camera import INTRINSIC_NAMES, CameraIdentity
-from app.geometry.control import Role
+from app.geometry.control import ControlPoint, Role
+from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.control import match_points
+from app.photogrammetry.image_residuals import ImageResiduals, image_residuals
 from app.photogrammetry.network import PRINT_COUNT
 from app.photogrammetry.report import (
     AdjustmentReport,
@@ -64,6 +66,7 @@ def write_report(
         left_out=tuple(left_out),
         false_sightings=_false_sightings(outcome),
         warnings=(*site.warnings, *_warnings(outcome, unoriented)),
+        image_residuals=_image_residuals(outcome, cameras),
     )
 
 
@@ -72,13 +75,14 @@ def _points(outcome: SurveyOutcome, role: Role) -> tuple[tuple[ControlRecord, ..
     solution = outcome.solution
     matched = match_points(outcome.points, role, outcome.standing, solution.problem.u_m)
     residuals_m = matched.equations.computed_m(solution.network) - matched.equations.position_m
-    seen = [
-        ControlRecord(point.name, point.code, point.dot, role, point.sigma_m, row)
-        for point, row in zip(matched.points, residuals_m, strict=True)
-    ]
-    unseen = [ControlRecord(point.name, point.code, point.dot, role, point.sigma_m, None) for point in matched.unseen]
+    seen = [_point(*pair) for pair in zip(matched.points, residuals_m, strict=True)]
+    unseen = [_point(point, None) for point in matched.unseen]
     rmse_m = float(np.sqrt((residuals_m**2).sum(axis=1).mean())) if seen else None
     return (*seen, *unseen), rmse_m
+
+
+def _point(point: ControlPoint, residual_m: Array | None) -> ControlRecord:
+    return ControlRecord(point.name, point.code, point.dot, point.role, point.position_m, point.sigma_m, residual_m)
 
 
 def _datum(solution: Solution) -> DatumRecord:
@@ -150,6 +154,12 @@ def _targets(outcome: SurveyOutcome) -> tuple[TargetRecord, ...]:
             )
         )
     return tuple(records)
+
+
+def _image_residuals(outcome: SurveyOutcome, cameras: Sequence[SelfCalibration]) -> tuple[ImageResiduals, ...]:
+    weights = BundleOptions().loss.weight(outcome.site.adjusted.squared)
+    found = image_residuals(outcome.solution.problem, outcome.solution.network, weights)
+    return tuple(one for one, camera in zip(found, cameras, strict=True) if camera.photographs)
 
 
 def _false_sightings(outcome: SurveyOutcome) -> tuple[FalseSightingRecord, ...]:
