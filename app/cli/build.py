@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, add_reading, add_workers, photo_files, positive
 from app.cli.progress import progress
+from app.cli.survey_summary import summary_lines
 from app.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.geometry.control import ControlPoint
-    from app.photogrammetry.survey import SurveyResult
 
 MM_PER_M = 1000.0
 
@@ -54,9 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.report is not None:
         arguments.report.write_text(json.dumps(record, indent=1))
     if arguments.json:
-        print(json.dumps(_summary(survey, arguments.out)))
+        print(json.dumps({"map": str(arguments.out), "report": record}))
     else:
-        _print(survey, arguments.out)
+        _print(record, arguments.out)
     return 0
 
 
@@ -80,24 +80,7 @@ def read_control(path: Path, family_name: str) -> tuple[ControlPoint, ...]:
     return points
 
 
-def _summary(survey: SurveyResult, path: Path) -> dict[str, Any]:
-    return {
-        "map": str(path),
-        "targets": len(survey.target_map.targets),
-        "photographs": len(survey.photos),
-        "unoriented": [{"photo": name, "reason": reason} for name, reason in survey.unoriented],
-        "report": survey.report.to_json(),
-    }
-
-
-def _print(survey: SurveyResult, path: Path) -> None:
-    total = len(survey.photos) + len(survey.unoriented)
-    print(f"{len(survey.photos)} of {total} photographs oriented, {len(survey.target_map.targets)} targets in {path}")
-    for name, reason in survey.unoriented:
-        print(f"  not oriented: {name}: {reason}")
-    for camera in survey.cameras:
-        fx_px, sigma_px = camera.calibrated.camera.fx_px, camera.calibrated.covariance[0, 0] ** 0.5
-        print(f"  camera {camera.identity.key}: fx {fx_px:.2f} +- {sigma_px:.2f} px")
-    datum = survey.target_map.datum
-    if datum.assumed_scale:
-        print("  no control points: scale from the printed size, z from the plates")
+def _print(record: dict[str, Any], path: Path) -> None:
+    for line in summary_lines(record):
+        print(line)
+    print(f"map written to {path}")

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from app.cli.demo_story import Surveyed
 from app.cli.score import Located, SnapshotScore, rmse_of_scores, score_to_json
+from app.cli.survey_summary import summary_lines
 
 MM_PER_M = 1000.0
 TABLE_WIDTH = 110  # where the output is no terminal and tells no width
@@ -19,7 +20,10 @@ TABLE_WIDTH = 110  # where the output is no terminal and tells no width
 
 def print_survey(surveyed: Surveyed) -> None:
     """What was built."""
-    print(f"\nTarget map: {surveyed.targets} targets, built in {surveyed.build_s:.1f} s")
+    print(f"\nTarget map built in {surveyed.build_s:.1f} s")
+    for line in summary_lines(surveyed.report):
+        print(f"  {line}")
+    print()
 
 
 def print_scores(located: list[Located], scores: list[SnapshotScore] | None) -> None:
