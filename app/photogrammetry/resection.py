@@ -1,0 +1,193 @@
+"""A snapshot to a pose: start, adjust, refuse what does not agree, look for the mirror image, judge.
+
+No pose is better than a wrong one: what cannot be trusted raises NotLocated with the reason and what to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import numpy.typing as npt
+
+from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera
+from app.geometry.observations import TargetObservation
+from app.geometry.pose import Pose
+from app.geometry.target_map import TargetMap
+from app.photogrammetry.resection_adjustment import AdjustmentOptions
+from app.photogrammetry.resection_ambiguity import AmbiguityOptions, better_side, look_for_mirror
+from app.photogrammetry.resection_consensus import Problem
+from app.photogrammetry.resection_equations import POSE_COUNT, CameraPrior, State, TargetEquations, linearise
+from app.photogrammetry.resection_input import SightedTargets, sight_targets
+from app.photogrammetry.resection_judgement import JudgementOptions, Solution, check_consensus, judge
+from app.photogrammetry.resection_refusals import check_dots, too_few_dots
+from app.photogrammetry.resection_sampling import SamplingOptions, find_consensus
+from app.photogrammetry.resection_start import Start, StartOptions, find_start
+from app.photogrammetry.resection_uncertainty import UncertaintyOptions, pose_uncertainty
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ResectionOptions:
+    """Options of a resection and of its steps.
+
+    Attributes
+    ----------
+    min_dots : int
+        Fewer measured dots of mapped targets give no pose: six leave six coordinates to check six unknowns by.
+    start, adjustment, sampling, ambiguity, uncertainty, judgement
+        Options of the steps, in their order.
+    """
+
+    min_dots: int = 6
+    start: StartOptions = StartOptions()
+    adjustment: AdjustmentOptions = AdjustmentOptions()
+    sampling: SamplingOptions = SamplingOptions()
+    ambiguity: AmbiguityOptions = AmbiguityOptions()
+    uncertainty: UncertaintyOptions = UncertaintyOptions()
+    judgement: JudgementOptions = JudgementOptions()
+
+
+@dataclass(frozen=True)
+class UsedTarget:
+    """What became of one observed target.
+
+    Attributes
+    ----------
+    code : int
+    rms_px : float or None
+        Root mean square residual of its measured dots per coordinate; None when it has no image from the pose.
+    used : bool
+    reason : str or None
+        Why it was not used: ``unknown-target`` (not in the map) or ``moved-or-misread``.
+    """
+
+    code: int
+    rms_px: float | None
+    used: bool
+    reason: str | None = None
+
+
+@dataclass(frozen=True)
+class Resection:
+    """The pose of a snapshot.
+
+    Attributes
+    ----------
+    site_from_cam : Pose
+    covariance : ndarray of shape (6, 6)
+        Position (m), small rotation (rad), site axes; of dots, map, datum and camera together.
+    sigma0 : float
+        Root of the sum of squared residuals in units of their covariance over the redundancy; 1 when all is as said.
+    variance_factor : float
+        What the covariance (without the datum) was scaled by: 1 unless residuals are significantly too great.
+    redundancy : int
+        Measured coordinates less six; the camera's and the map's errors are weighted unknowns and cost none.
+    rms_residual_px : float
+        Of the used dots, per coordinate.
+    targets : tuple of UsedTarget
+        In the order of the observations.
+    ambiguity_ratio : float or None
+        Residuals of the mirror image over those of the pose; None when the view is not ambiguous.
+    """
+
+    site_from_cam: Pose
+    covariance: Array
+    sigma0: float
+    variance_factor: float
+    redundancy: int
+    rms_residual_px: float
+    targets: tuple[UsedTarget, ...]
+    ambiguity_ratio: float | None
+
+
+def resect(
+    observations: Sequence[TargetObservation],
+    target_map: TargetMap,
+    camera: CalibratedCamera,
+    options: ResectionOptions | None = None,
+) -> Resection:
+    """Pose of a photograph from the targets seen in it.
+
+    Parameters
+    ----------
+    observations : sequence of TargetObservation
+        Codes unique; targets that the map does not hold are reported and take no part.
+    target_map : TargetMap
+    camera : CalibratedCamera
+        For the photograph's size; its intrinsics are weighted unknowns.
+    options : ResectionOptions, optional
+
+    Raises
+    ------
+    NotLocated
+        ``no-targets``, ``unknown-targets``, ``too-few-dots``, ``inconsistent``, ``ambiguous`` or ``outside-site``.
+
+    Notes
+    -----
+    Sensors 2019 (robust visual encoded targets), section 3.4, equations 7, 8 and 17, adjusted by small rotations. The
+    covariance of the adjustment is scaled by the variance factor where that is significantly above one, and the
+    datum's, which all targets share, is added once.
+    """
+    options = options or ResectionOptions()
+    known = [observation for observation in observations if observation.code in target_map.by_code]
+    check_dots(observations, known, options.min_dots)
+    problem = Problem(sight_targets(known, target_map), CameraPrior.of(camera), options.adjustment)
+    start = find_start(problem.sighted, camera.camera, options.start)
+    if start is None:
+        raise too_few_dots(known)
+    solution = _solve(problem, start, options)
+    judge(solution, target_map, options.judgement, options.ambiguity)
+    return _report(solution, observations, target_map)
+
+
+def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solution:
+    """Adjust the largest agreeing targets, which are few, then all who agree with them, then the mirror image."""
+    agreeing = start.agreeing(start.elected)
+    largest = np.zeros_like(agreeing)
+    largest[start.proposers] = agreeing[start.proposers]
+    state = State(start.pose(start.elected), np.zeros(INTRINSIC_COUNT))
+    state = better_side(problem, largest, state, options.ambiguity)
+    consensus = find_consensus(problem, start, state, options.sampling)
+    check_consensus(problem, consensus)
+    ambiguity = look_for_mirror(problem, consensus.agreeing, consensus.adjusted, options.ambiguity)
+    sighted = problem.sighted.take(consensus.agreeing)
+    uncertainty = pose_uncertainty(sighted, problem.prior, ambiguity.adjusted, options.uncertainty)
+    return Solution(problem, consensus, ambiguity, uncertainty)
+
+
+def _report(solution: Solution, observations: Sequence[TargetObservation], target_map: TargetMap) -> Resection:
+    """The solution as its user sees it: with the datum's uncertainty and the fate of each observed target."""
+    adjusted, uncertainty = solution.ambiguity.adjusted, solution.uncertainty
+    coordinates = adjusted.redundancy + POSE_COUNT
+    fates = _fates(solution)
+    unknown = partial(UsedTarget, rms_px=None, used=False, reason="unknown-target")
+    return Resection(
+        site_from_cam=adjusted.state.site_from_cam,
+        covariance=uncertainty.covariance + target_map.datum.pose_covariance(solution.position_m),
+        sigma0=solution.sigma0,
+        variance_factor=uncertainty.variance_factor,
+        redundancy=adjusted.redundancy,
+        rms_residual_px=float(np.sqrt((adjusted.equations.residuals_px**2).sum() / coordinates)),
+        targets=tuple(fates.get(seen.code) or unknown(seen.code) for seen in observations),
+        ambiguity_ratio=solution.ambiguity.ratio,
+    )
+
+
+def _fates(solution: Solution) -> dict[int, UsedTarget]:
+    """What became of each mapped target, by code."""
+    problem, agreeing, adjusted = solution.problem, solution.consensus.agreeing, solution.ambiguity.adjusted
+    used, refused = problem.sighted.take(agreeing), problem.sighted.take(~agreeing)
+    fates = _listed(used, adjusted.equations, None)
+    if len(refused):
+        fates |= _listed(refused, linearise(refused, problem.prior, adjusted.state), "moved-or-misread")
+    return fates
+
+
+def _listed(sighted: SightedTargets, equations: TargetEquations, reason: str | None) -> dict[int, UsedTarget]:
+    squares_px2 = (equations.residuals_px**2).sum(axis=(1, 2)) / (2 * np.maximum(sighted.dot_counts, 1))
+    rows = zip(sighted.codes.tolist(), np.sqrt(squares_px2).tolist(), equations.seen_from_front, strict=True)
+    return {code: UsedTarget(code, rms_px if seen else None, reason is None, reason) for code, rms_px, seen in rows}

@@ -1,0 +1,111 @@
+"""What one photograph sees of the target map, as arrays over its targets: the input of every step of a resection."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from app.geometry.observations import TargetObservation
+from app.geometry.target_map import TargetMap
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+Index = npt.NDArray[np.intp] | Mask
+
+
+@dataclass(frozen=True)
+class SightedTargets:
+    """K mapped targets of one photograph.
+
+    Attributes
+    ----------
+    codes : ndarray of shape (K,), int
+    rotations : ndarray of shape (K, 3, 3)
+        ``site_from_target``.
+    centres_m : ndarray of shape (K, 3)
+        The targets' centres in the site frame.
+    arms_m : ndarray of shape (K, 16, 3)
+        From the centre to each dot, site axes.
+    own_covariances : ndarray of shape (K, 6, 6)
+        Each target's own uncertainty: position (m), small rotation (rad) about its centre, site axes.
+    observed_px : ndarray of shape (K, 16, 2)
+        Measured dot centres.
+    whiteners : ndarray of shape (K, 16, 3)
+        Elements (0, 0), (1, 0), (1, 1) of the lower triangular W with W^T W = covariance^-1, 1 / px; zero where a dot
+        was not measured, so that it weighs nothing.
+    measured : ndarray of shape (K, 16), bool
+    """
+
+    codes: npt.NDArray[np.int64]
+    rotations: Array
+    centres_m: Array
+    arms_m: Array
+    own_covariances: Array
+    observed_px: Array
+    whiteners: Array
+    measured: Mask
+
+    def __len__(self) -> int:
+        return len(self.codes)
+
+    @property
+    def dots_m(self) -> Array:
+        """Dots in the site frame, shape (K, 16, 3)."""
+        return self.centres_m[:, None] + self.arms_m
+
+    @property
+    def dot_counts(self) -> npt.NDArray[np.intp]:
+        """Measured dots of each target, shape (K,)."""
+        return np.count_nonzero(self.measured, axis=1)
+
+    def take(self, index: Index) -> SightedTargets:
+        """Some of the targets."""
+        return SightedTargets(
+            self.codes[index],
+            self.rotations[index],
+            self.centres_m[index],
+            self.arms_m[index],
+            self.own_covariances[index],
+            self.observed_px[index],
+            self.whiteners[index],
+            self.measured[index],
+        )
+
+
+def sight_targets(observations: Sequence[TargetObservation], target_map: TargetMap) -> SightedTargets:
+    """Pair observations with the map; every code must stand in it.
+
+    Raises
+    ------
+    ValueError
+        When a measured dot's covariance is not positive definite.
+    """
+    mapped = [target_map.by_code[observation.code] for observation in observations]
+    measured = np.stack([observation.measured for observation in observations])
+    centres_m = np.stack([target.site_from_target.position_m for target in mapped])
+    covariances_px2 = np.stack([observation.covariances_px2 for observation in observations])
+    return SightedTargets(
+        codes=np.array([target.code for target in mapped], dtype=np.int64),
+        rotations=np.stack([target.site_from_target.rotation for target in mapped]),
+        centres_m=centres_m,
+        arms_m=np.stack([target.dots_m for target in mapped]) - centres_m[:, None],
+        own_covariances=np.stack([target.covariance for target in mapped]),
+        observed_px=np.stack([observation.centres_px for observation in observations]),
+        whiteners=_whiteners(covariances_px2, measured),
+        measured=measured,
+    )
+
+
+def _whiteners(covariances_px2: Array, measured: Mask) -> Array:
+    """Inverse Cholesky factors of 2 x 2 covariances, shape (K, 16, 3); zero where not measured."""
+    xx = np.where(measured, covariances_px2[..., 0, 0], 1.0)
+    xy = np.where(measured, covariances_px2[..., 0, 1], 0.0)
+    yy = np.where(measured, covariances_px2[..., 1, 1], 1.0)
+    rest = yy - xy * xy / np.where(xx > 0, xx, 1.0)
+    if not ((xx > 0) & (rest > 0) & np.isfinite(xx) & np.isfinite(rest)).all():
+        raise ValueError("the covariance of each measured dot must be finite and positive definite")
+    first, second = 1.0 / np.sqrt(xx), 1.0 / np.sqrt(rest)
+    return np.stack([first, -xy / xx * second, second], axis=-1) * measured[..., None]
