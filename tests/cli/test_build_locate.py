@@ -62,7 +62,7 @@ def test_the_published_method_builds_a_map_from_base_dots_alone(
     control = ["--control", str(ROOM / "control_points.csv"), "--out", str(tmp_path / "map.json")]
     assert main(["build", str(ROOM / "survey"), *control, "--detector", "paper", "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)
-    assert summary["unoriented"] == []
+    assert summary["report"]["unoriented"] == []
     published, by_default = (json.loads((folder / "map.json").read_text())["targets"] for folder in (tmp_path, built))
     assert {target["code"] for target in published} <= {target["code"] for target in by_default}
     # It misses what is seen from too near the wall; two thirds of the plates are carried by three photographs.
