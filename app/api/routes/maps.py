@@ -20,9 +20,14 @@ WRITERS = {
     "ply": (maps.ply_of_map, "application/ply"),
     "geojson": (maps.geojson_of_map, "application/geo+json"),
 }
+TEXT_FORMATS = {media_type: {"schema": {"type": "string"}} for _, media_type in WRITERS.values()}
 
 
-@router.get("/sites/{site_id}/targets", response_model=TargetsAnswer, responses=problems(404, 409, 422))
+@router.get(
+    "/sites/{site_id}/targets",
+    response_model=TargetsAnswer,
+    responses={200: {"content": TEXT_FORMATS}, **problems(404, 409, 422)},
+)
 def get_targets(
     site_id: PathId,
     session: ReadSession,

@@ -24,7 +24,7 @@ from app.storage.sites import SiteRepository
 router = APIRouter(tags=["sites"])
 
 
-@router.post("/sites", status_code=201, responses=problems(422))
+@router.post("/sites", status_code=201, responses=problems(400, 413, 422))
 def create_site(body: NewSiteBody, session: WriteSession) -> SiteAnswer:
     """Make a site: a place whose targets share one frame, one code family and one size."""
     anchor = None if body.geo_anchor is None else body.geo_anchor.to_domain()
@@ -43,7 +43,7 @@ def get_site(site_id: PathId, session: ReadSession) -> SiteAnswer:
     return SiteAnswer.of(SiteRepository(session).get(site_id))
 
 
-@router.patch("/sites/{site_id}", responses=problems(404, 422))
+@router.patch("/sites/{site_id}", responses=problems(400, 404, 413, 422))
 def change_site(site_id: PathId, body: SiteChangeBody, session: WriteSession) -> SiteAnswer:
     """Rename a site, tie it to the Earth, or untie it with ``geo_anchor: null``."""
     return SiteAnswer.of(sites.change_site(session, site_id, body.to_domain()))
@@ -57,7 +57,7 @@ def delete_site(site_id: PathId, session: WriteSession) -> None:
 
 @router.put(
     "/sites/{site_id}/control-points",
-    responses=problems(404, 415, 422),
+    responses=problems(404, 413, 415, 422),
     openapi_extra={"requestBody": CONTROL_POINTS_BODY},
 )
 def put_control_points(

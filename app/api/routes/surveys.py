@@ -27,7 +27,7 @@ photo_router = APIRouter(tags=["surveys"])
 upload_router = APIRouter(tags=["surveys"])
 
 
-@router.post("/sites/{site_id}/surveys", status_code=201, responses=problems(404, 422))
+@router.post("/sites/{site_id}/surveys", status_code=201, responses=problems(400, 404, 413, 422))
 def open_survey(
     site_id: PathId, session: WriteSession, body: Annotated[NewSurveyBody | None, Body()] = None
 ) -> SurveyAnswer:
@@ -78,7 +78,7 @@ async def post_photos(
     return UploadAnswer(images=[UploadedPhotoAnswer.of_upload(photo) for photo in added])
 
 
-@router.post("/surveys/{survey_id}/build", status_code=202, responses=problems(404, 409, 422))
+@router.post("/surveys/{survey_id}/build", status_code=202, responses=problems(400, 404, 409, 413, 422))
 def build(survey_id: PathId, services: Running, body: Annotated[BuildBody | None, Body()] = None) -> JobStarted:
     """Detect in each photograph, adjust, publish a new target map of this survey: in the background."""
     options = (body or BuildBody()).to_domain()
