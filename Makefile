@@ -28,9 +28,9 @@ format: $(VENV)/.ready-test ## let ruff format and mend
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
-bench: $(VENV)/.ready ## accuracy and speed of a room with truth: make bench [ROOM=path]
+bench: $(VENV)/.ready-bench ## accuracy and speed of a room with truth, and of others on it: make bench [ROOM=path]
 	@$(BIN)/python -m benchmarks.accuracy "$(ROOM)"
-	@$(BIN)/python -m benchmarks.speed "$(ROOM)"
+	@$(BIN)/python -m benchmarks.speed --peers "$(ROOM)"
 
 clean: ## remove the virtual environment and caches
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis benchmarks/out
@@ -47,4 +47,9 @@ $(VENV)/.ready: pyproject.toml
 $(VENV)/.ready-test: $(VENV)/.ready
 	@echo "Installing the test tools (once)" >&2
 	@"$(BIN)/python" -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
+
+$(VENV)/.ready-bench: $(VENV)/.ready
+	@echo "Installing the readers to compare with (once)" >&2
+	@"$(BIN)/python" -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@touch $@

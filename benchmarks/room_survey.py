@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.cli.build import read_control
-from app.cli.locate_photo import detect_in_map, known_cameras, resect_in_map
+from app.cli.locate_photo import known_cameras, resect_in_map
 from app.cli.progress import Report
 from app.cli.read_photo import read_photo
 from app.cli.room import Room
@@ -16,6 +16,8 @@ from app.errors import NotLocated
 from app.geometry.control import ControlPoint
 from app.geometry.map_file import MapCamera, MapFile
 from app.photogrammetry.survey import PlateSpec, SurveyPhoto, SurveyResult, adjust_survey
+from app.targets.family import family_by_name
+from app.vision.detectors import DetectorName, choose_detector
 from benchmarks.memory import peak_rss_bytes
 from benchmarks.pose_score import EstimatedPose
 
@@ -52,14 +54,16 @@ def survey_room(room: Room, photos: Sequence[SurveyPhoto], family_name: str, rep
     return Surveyed(survey, control, time.perf_counter() - began_s, peak_rss_bytes())
 
 
-def locate_room(paths: Sequence[Path], content: MapFile, report: Report) -> LocatedRoom:
+def locate_room(paths: Sequence[Path], content: MapFile, detector: DetectorName, report: Report) -> LocatedRoom:
     """Locate each snapshot with the cameras of the survey."""
-    known = known_cameras(content)
+    target_map, known = content.target_map, known_cameras(content)
+    reader = choose_detector(detector, known_codes=frozenset(target_map.by_code))
     poses, refused = [], []
     for done, path in enumerate(paths, start=1):
         photo = read_photo(path)
+        detection = reader.detect(photo.bgr, family_by_name(target_map.code_family))
         try:
-            resection, _ = resect_in_map(photo, detect_in_map(photo, content), content, known)
+            resection, _ = resect_in_map(photo, detection, content, known)
             poses.append(EstimatedPose(path.name, resection.site_from_cam, resection.covariance))
         except NotLocated as refusal:
             refused.append((path.name, str(refusal.fields["reason"])))

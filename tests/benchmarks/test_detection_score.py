@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from app.photogrammetry.survey import SurveyPhoto
 
 from app.cli.room import PlateInView, TrueShot, TrueShots
 from app.geometry.camera import Camera, CameraIdentity
 from app.geometry.observations import Detection, TargetObservation
 from app.geometry.pose import Pose
+from app.photogrammetry.survey import SurveyPhoto
 from app.targets.layout import dots_target_m
 from benchmarks.coverage_score import score_coverage
 from benchmarks.detection_score import DetectionScore, dot_rmse_px, score_detections, score_to_json
