@@ -1,4 +1,4 @@
-"""Least squares of one photograph: six unknowns of pose, nine weighted unknowns of the camera (Gauss-Newton, damped)."""
+"""Least squares of one photograph: six unknowns of pose and nine weighted unknowns of the camera."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class AdjustedState:
 
     @property
     def attainable_chi2(self) -> float:
-        """What a further step, pose and camera free, promises: much less than ``chi2`` where an adjustment stopped early."""
+        """What a further step, pose and camera free, promises: less than ``chi2`` where an adjustment stopped early."""
         return self.chi2 - float(self.gradient @ np.linalg.solve(self.information, self.gradient))
 
 
@@ -117,7 +117,7 @@ def adjust_pose(
     options: AdjustmentOptions | None = None,
     free_camera: bool = True,
 ) -> AdjustedState:
-    """Adjust pose and camera to all of the targets, without any rejection; the pose alone when the camera is not free."""
+    """Adjust to all of the targets (damped Gauss-Newton), the pose alone when the camera is not free."""
     options = options or AdjustmentOptions()
     best, damping, unknowns = evaluate(sighted, prior, start), _Damping(), POSE_COUNT
     for _ in range(options.max_steps):
@@ -155,7 +155,8 @@ def evaluate(sighted: SightedTargets, prior: CameraPrior, state: State) -> Adjus
 def _step(at: AdjustedState, damping: float, unknowns: int, options: AdjustmentOptions) -> _Step:
     """The damped step of the first unknowns; the others stay."""
     information, gradient = at.information[:unknowns, :unknowns], at.gradient[:unknowns]
-    moved = np.linalg.solve(information + damping * np.diag(np.diag(information)), -gradient)
+    damped = information + damping * np.diag(np.diag(information))
+    moved: Array = np.asarray(np.linalg.solve(damped, -gradient), dtype=np.float64)
     moved /= max(1.0, _overreach(moved, at.equations, options))
     values = np.zeros(STATE_COUNT)
     values[:unknowns] = moved

@@ -1,7 +1,7 @@
 """The other pose: a small plane, tilted to the other side of the line of sight, looks nearly the same.
 
-Whatever the number of targets, the adjusted scene is mirrored about the line of sight and adjusted again. Mostly it comes
-back to the same pose; when it stays elsewhere, the likelihoods of the two decide.
+Whatever the number of targets, the adjusted scene is mirrored about the line of sight and adjusted again. Mostly it
+comes back to the same pose; when it stays elsewhere, the likelihoods of the two decide.
 """
 
 from __future__ import annotations

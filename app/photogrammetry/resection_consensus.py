@@ -1,9 +1,9 @@
 """Which targets agree: consensus over targets, since a target that was moved or misread is wrong as a whole.
 
 Each target is held against the pose that the others give. This is Baarda's test (1968) with six degrees of freedom
-instead of one: a rigid movement of the target in the map. When all pass, nothing else happens. Otherwise pairs of targets
-are sampled, and the pose that leaves the least truncated sum of squares over the targets wins. A target either counts
-with its full weight or not at all, which keeps the covariance honest.
+instead of one: a rigid movement of the target in the map. When all pass, nothing else happens; otherwise
+``resection_sampling`` finds who agrees. The loss that is minimised is the truncated square per target: a target either
+counts with its full weight or not at all, which keeps the covariance honest.
 """
 
 from __future__ import annotations
@@ -102,12 +102,14 @@ class Consensus:
     @property
     def has_majority(self) -> bool:
         """Whether more than half of the targets agree."""
-        return bool(2 * np.count_nonzero(self.agreeing & (self.excess <= 1.0)) > len(self.agreeing))
+        return self.has_share(0.5)
+
+    def has_share(self, share: float) -> bool:
+        """Whether more than this share of the targets agree."""
+        return bool(np.count_nonzero(self.agreeing & (self.excess <= 1.0)) > share * len(self.agreeing))
 
 
-def consent(
-    problem: Problem, targets: Mask, start: State, options: ConsensusOptions, scale: float = 1.0
-) -> Consensus:
+def consent(problem: Problem, targets: Mask, start: State, options: ConsensusOptions, scale: float = 1.0) -> Consensus:
     """Adjust to some targets and hold all targets against the result; ``scale`` widens the limits."""
     adjusted = problem.adjust(targets, start)
     chi2 = np.empty(len(targets))

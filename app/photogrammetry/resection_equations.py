@@ -99,7 +99,7 @@ class TargetEquations:
 
     @cached_property
     def shape_chi2(self) -> Array:
-        """The part of ``chi2`` that no rigid movement of the target explains, shape (K,); the pose has no part in it."""
+        """The part of ``chi2`` that no rigid movement of the target explains, shape (K,): no pose changes it."""
         normal, right = self.gram[:, :OWN_COUNT, :OWN_COUNT], self.gram[:, :OWN_COUNT, -1:]
         diagonal = np.einsum("kii->ki", normal)
         scale = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))[..., None]

@@ -26,8 +26,8 @@ class JudgementOptions:
         Residuals greater than this many times their standard deviations contradict the map or the camera. Detectors'
         own covariances are good to a factor of two.
     max_widening : float
-        A pose whose standard deviations had to be widened by more, because a plate is seen so nearly from the front that
-        its tilt stays open, is as good as ambiguous.
+        A pose whose standard deviations had to be widened by more, because a plate is seen so nearly from the front
+        that its tilt stays open, is as good as ambiguous.
     max_position_sigma_m : float
         A pose less certain than this says little more than that the user is in the room.
     max_outside_m : float

@@ -72,7 +72,7 @@ def seen_too_frontally(widening: float) -> NotLocated:
     """A plate so nearly parallel to the image that its tilt, and the position with it, stays open."""
     return _refusal(
         "ambiguous",
-        "The targets are seen so nearly from the front, and so small, that their tilt and with it the position stays open",
+        "The targets are so small and seen so nearly from the front that their tilt, and the position with it, is open",
         f"{MORE_TARGETS}, look at the target from the side, or {CLOSER}",
         widening=widening,
     )
@@ -93,8 +93,8 @@ def inconsistent_residuals(sigma0: float, limit: float) -> NotLocated:
     """Residuals far greater than their covariances allow."""
     return _refusal(
         "inconsistent",
-        f"The residuals are {sigma0:.1f} times what the dots' accuracy allows (limit {limit:g}): the camera's intrinsics "
-        "do not belong to this photograph, or targets were moved",
+        f"The residuals are {sigma0:.1f} times what the dots' accuracy allows (limit {limit:g}), or no pose fits: the "
+        "camera's intrinsics do not belong to this photograph, or targets were moved",
         "check the camera, calibrate it on this site, or survey again what was moved",
         sigma0=sigma0,
     )

@@ -1,7 +1,7 @@
 """Consensus by sampling: when not all targets agree, pairs of targets propose who does.
 
-RANSAC (Fischler and Bolles, CACM 24(6), 1981) with two changes: a sample is two targets, since a single small plate says
-too little of where the camera points; and the score is the truncated sum of squares instead of a count.
+RANSAC (Fischler and Bolles, CACM 24(6), 1981) with two changes: a sample is two targets, since a single small plate
+says too little of where the camera points; and the score is the truncated sum of squares instead of a count.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri
 
+from app.geometry.camera import INTRINSIC_COUNT
 from app.geometry.rotation import log_rotation
 from app.photogrammetry.resection_consensus import Consensus, ConsensusOptions, Problem, consent, own_scatter, settle
-from app.photogrammetry.resection_equations import INTRINSIC_COUNT, POSE_COUNT, State
+from app.photogrammetry.resection_equations import POSE_COUNT, State
 from app.photogrammetry.resection_start import Start
 
 Array = npt.NDArray[np.float64]
@@ -30,6 +31,9 @@ class SamplingOptions:
     ----------
     consensus : ConsensusOptions
         When a target agrees.
+    sure_share : float
+        Least squares over all targets that settles with this share of them agreeing needs no sampling: no other pose
+        can have as many.
     confidence : float
         Sampling ends when a pair of agreeing targets has been drawn with this probability, judged by the best so far.
     max_samples : int
@@ -43,6 +47,7 @@ class SamplingOptions:
     """
 
     consensus: ConsensusOptions = ConsensusOptions()
+    sure_share: float = 0.75
     confidence: float = 0.999
     max_samples: int = 30
     rival_cost: float = 0.5
@@ -50,17 +55,21 @@ class SamplingOptions:
     seed: int = 1
 
 
-def find_consensus(
-    problem: Problem, start: Start, state: State, options: SamplingOptions | None = None
-) -> Consensus:
-    """Who agrees: all who agree with the elected proposal if they fit, otherwise the best of the sampled."""
+def find_consensus(problem: Problem, start: Start, state: State, options: SamplingOptions | None = None) -> Consensus:
+    """Who agrees: all who agree with the elected proposal, less a few; otherwise the best of the sampled."""
     options = options or SamplingOptions()
     best = consent(problem, start.agreeing(start.elected), state, options.consensus)
-    if not best.fits:
+    settled = _settle_by_scatter(problem, best, options)
+    if not best.fits and not settled.has_share(options.sure_share):
         best = _best(_candidates(problem, start, options), options)
-    scale = own_scatter(problem, best, options.consensus)
-    settled = settle(problem, replace(best, excess=best.excess / scale), options.consensus, scale)
+        settled = _settle_by_scatter(problem, best, options)
     return replace(settled, contested=best.contested)
+
+
+def _settle_by_scatter(problem: Problem, consensus: Consensus, options: SamplingOptions) -> Consensus:
+    """Settle under limits as wide as the agreeing targets scatter."""
+    scale = own_scatter(problem, consensus, options.consensus)
+    return settle(problem, replace(consensus, excess=consensus.excess / scale), options.consensus, scale)
 
 
 def _candidates(problem: Problem, start: Start, options: SamplingOptions) -> list[Consensus]:
@@ -95,7 +104,9 @@ def _best(candidates: list[Consensus], options: SamplingOptions) -> Consensus:
     rivals = [
         candidate
         for candidate in candidates
-        if candidate.has_majority and candidate.cost < best.cost + options.rival_cost and _elsewhere(best, candidate, options)
+        if candidate.has_majority
+        and candidate.cost < best.cost + options.rival_cost
+        and _elsewhere(best, candidate, options)
     ]
     return replace(best, contested=bool(rivals))
 

@@ -120,7 +120,7 @@ def _largest(sighted: SightedTargets, options: StartOptions) -> npt.NDArray[np.i
 
 
 def _propose(sighted: SightedTargets, normalised: Array, options: StartOptions) -> tuple[Array, Array, Mask]:
-    """Both planar poses of P targets composed with the map: rotations (P, 2, 3, 3), positions (P, 2, 3), which exist."""
+    """Both planar poses of P targets in the site: rotations (P, 2, 3, 3), positions (P, 2, 3), which exist (P, 2)."""
     plane_m = (sighted.arms_m @ sighted.rotations)[..., :2]
     found = planar_poses(plane_m, normalised, sighted.measured, options.planar)
     rotations = sighted.rotations[:, None] @ np.swapaxes(found.rotations, -1, -2)

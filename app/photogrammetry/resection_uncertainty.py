@@ -1,7 +1,7 @@
 """How far a resected pose can be trusted: its covariance, corrected where least squares would flatter it.
 
-Twice it would: when residuals are greater than their covariances say (variance factor), and when a plate is seen so nearly
-from the front that its tilt shows only in second order, so that the sum of squares is flatter than its normal matrix.
+Twice it would: when residuals are greater than their covariances say (variance factor), and when a plate is seen so
+nearly from the front that its tilt shows only in second order and the sum of squares is flatter than its normal matrix.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def pose_uncertainty(
 ) -> PoseUncertainty:
     """Covariance of the pose that was adjusted to all of the targets."""
     options = options or UncertaintyOptions()
-    covariance = np.linalg.inv(adjusted.information)
+    covariance: Array = np.asarray(np.linalg.inv(adjusted.information), dtype=np.float64)
     widest, widened, walk = 1.0, covariance, _Walk(sighted, prior, adjusted, covariance, options)
     variances, axes = np.linalg.eigh(covariance[ROTATION, ROTATION])
     for variance, axis in zip(variances, axes.T, strict=True):
@@ -123,8 +123,8 @@ def variance_factor(
 def _widening(walk: _Walk, one_sigma: Array) -> float:
     """How much wider than one standard deviation, a step of shape (15,), the sum of squares really is there.
 
-    A step of k standard deviations raises a quadratic sum of squares by k^2. Where it rises less, the standard deviation
-    is as much greater as its root is less.
+    A step of k standard deviations raises a quadratic sum of squares by k^2. Where it rises less, the standard
+    deviation is as much greater as its root is less.
     """
     k = walk.options.walk_sigmas
     rise = min(walk.rise(sign * k * one_sigma) for sign in (-1.0, 1.0))

@@ -1,4 +1,4 @@
-"""Planar poses: exact on exact dots, two of them, mirrored about the line of sight, and honest about what is missing."""
+"""Planar poses: exact on exact dots, two of them, mirrored about the line of sight, and honest about what is absent."""
 
 from __future__ import annotations
 
