@@ -36,7 +36,7 @@ class BundleProblem:
     u_m : float
         Nominal module of the plates.
     print_sigma : float or None
-        Standard deviation of each print scale about 1; None holds the print at its nominal size.
+        Standard deviation of each print scale about 1; None holds the print as it is.
     photo_poses : PoseEquations or None
         Known poses of photographs: the one that holds a free network.
     target_poses : PoseEquations or None

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from app.errors import SurveyFailed
 from app.geometry.target_map import Datum
 from app.photogrammetry.bundle_normals import normal_equations
 from app.photogrammetry.bundle_problem import BundleProblem
@@ -68,11 +69,18 @@ def reduced_at(problem: BundleProblem, network: Network, loss: RobustLoss) -> Re
 
     Raises
     ------
-    numpy.linalg.LinAlgError
-        When the observations leave something undetermined.
+    SurveyFailed
+        Reason ``weak-network`` when the observations leave something undetermined.
     """
     normals = normal_equations(problem, network, loss)
-    return reduce_normals(normals, problem.sightings, problem.free_border, photo_graph_tree(problem.sightings))
+    try:
+        return reduce_normals(normals, problem.sightings, problem.free_border, photo_graph_tree(problem.sightings))
+    except np.linalg.LinAlgError as error:
+        raise SurveyFailed(
+            "The photographs and control points leave part of the network undetermined. Add photographs from other "
+            "sides and with more plates in common.",
+            reason="weak-network",
+        ) from error
 
 
 def pose_covariances(reduced: ReducedSystem, sightings: Sightings) -> PoseCovariances:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from app.photogrammetry.bundle import BundleOptions, adjust_bundle
 from app.photogrammetry.bundle_normals import squared_residuals
@@ -78,12 +80,22 @@ def adjust_growth(growth: Growth) -> Growth:
 
 
 def standing(growth: Growth) -> Part:
-    """Decided targets that two oriented photographs see, and the photographs that see any of them."""
+    """Decided targets that two oriented photographs see, and the photographs that see any of them.
+
+    What has come apart since it grew is parted again: the part with most photographs stands.
+    """
     every = growth.problem.sightings
     seen = every.select(growth.oriented[every.photo] & growth.decided[every.target])
-    targets = np.flatnonzero(seen.rays() >= ADJUSTED_RAYS)
-    photos = np.unique(seen.photo[np.isin(seen.target, targets)])
-    return Part(photos, targets)
+    seen = seen.select(seen.rays()[seen.target] >= ADJUSTED_RAYS)
+    if not len(seen):
+        return Part(seen.photo, seen.target)
+    size = seen.photo_count + seen.target_count
+    links = csr_array((np.ones(len(seen)), (seen.photo, seen.photo_count + seen.target)), shape=(size, size))
+    _, label = connected_components(links, directed=False)
+    photos = np.unique(seen.photo)
+    held = label[photos] == np.bincount(label[photos]).argmax()
+    seen = seen.select(np.isin(seen.photo, photos[held]))
+    return Part(photos[held], np.unique(seen.target))
 
 
 def adjust_robustly(problem: BundleProblem, network: Network, options: GrowthOptions) -> Network:

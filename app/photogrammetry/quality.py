@@ -44,7 +44,7 @@ class QualityOptions:
     least_angle_rad : float
         Between two of its rays: 5 degrees.
     most_rounds : int
-        Adjustments after which no more is left out; what is false hides little of the rest, so two mostly do.
+        Adjustments after which no more is left out: the worst goes first, and what it hid later.
     """
 
     gross_sigmas: float = 5.0
@@ -56,7 +56,7 @@ class QualityOptions:
     fewest_rays: int = 3
     fewest_control_rays: int = 2
     least_angle_rad: float = float(np.deg2rad(5.0))
-    most_rounds: int = 5
+    most_rounds: int = 15
 
 
 def residual_scale(problem: BundleProblem, squared: Array, options: QualityOptions) -> float:

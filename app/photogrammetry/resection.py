@@ -38,11 +38,14 @@ class ResectionOptions:
     ----------
     min_dots : int
         Fewer measured dots of mapped targets give no pose: six leave six coordinates to check six unknowns by.
+    sure_targets : int
+        So many targets that stand where a planar pose sees them leave no doubt on which side of its plate the camera is.
     start, adjustment, sampling, ambiguity, uncertainty, judgement
         Options of the steps, in their order.
     """
 
     min_dots: int = 6
+    sure_targets: int = 6
     start: StartOptions = StartOptions()
     adjustment: AdjustmentOptions = AdjustmentOptions()
     sampling: SamplingOptions = SamplingOptions()
@@ -145,12 +148,13 @@ def resect(
 
 
 def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solution:
-    """Adjust the largest agreeing targets, which are few, then all who agree with them, then the mirror image."""
+    """Adjust few targets where the side is in doubt, then all who agree with the start, then the mirror image."""
     agreeing = start.agreeing(start.elected)
-    largest = np.zeros_like(agreeing)
-    largest[start.proposers] = agreeing[start.proposers]
     state = State(start.pose(start.elected), np.zeros(INTRINSIC_COUNT))
-    state = better_side(problem, largest, state, options.ambiguity)
+    if np.count_nonzero(agreeing) < options.sure_targets:
+        largest = np.zeros_like(agreeing)
+        largest[start.proposers] = agreeing[start.proposers]
+        state = better_side(problem, largest, state, options.ambiguity)
     consensus = find_consensus(problem, start, state, options.sampling)
     check_consensus(problem, consensus)
     ambiguity = look_for_mirror(problem, consensus.agreeing, consensus.adjusted, options.ambiguity)

@@ -37,13 +37,17 @@ class ConsensusOptions:
         Agreeing targets from which their own scatter is estimated; fewer must fit as their covariances say.
     max_scale : float
         Greatest factor by which the estimated scatter may widen the limits (3 sigmas instead of 1, squared).
+    max_unsampled_scale : float
+        The same before any sampling, when a wrong target among them may make the others scatter: of ten targets or
+        more, one within twice the limit moves the pose by less than its sigma.
     max_rounds : int
         Rounds of adjusting and testing anew.
     """
 
     refuse_probability: float = 1e-4
-    scale_targets: int = 5
+    scale_targets: int = 10
     max_scale: float = 9.0
+    max_unsampled_scale: float = 2.0
     max_rounds: int = 6
 
 
@@ -132,7 +136,7 @@ def settle(problem: Problem, consensus: Consensus, options: ConsensusOptions, sc
 
 
 def own_scatter(problem: Problem, consensus: Consensus, options: ConsensusOptions) -> float:
-    """How much more than their covariances say the agreeing targets scatter, by their median; at least 1."""
+    """How much more than their covariances say the agreeing targets scatter, by their median; 1 to ``max_scale``."""
     if np.count_nonzero(consensus.agreeing) < options.scale_targets:
         return 1.0
     freedom = np.minimum(OWN_COUNT, 2 * problem.sighted.dot_counts[consensus.agreeing])

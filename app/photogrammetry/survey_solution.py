@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from app.errors import SurveyFailed
 from app.geometry.target_map import Datum
 from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.bundle_problem import BundleProblem
@@ -68,14 +67,7 @@ def solve_uncertainty(site: SiteNetwork, published: Mask) -> Solution:
         Reason ``weak-network`` when the observations leave something undetermined.
     """
     problem, network = site.problem, site.adjusted.network
-    try:
-        reduced = reduced_at(problem, network, BundleOptions().loss)
-    except np.linalg.LinAlgError as error:
-        raise SurveyFailed(
-            "The photographs and control points leave part of the network undetermined. Add photographs from other "
-            "sides and with more plates in common.",
-            reason="weak-network",
-        ) from error
+    reduced = reduced_at(problem, network, BundleOptions().loss)
     covariances = pose_covariances(reduced, problem.sightings)
     parted = part_datum(covariances, reduced, network, published)
     photos = covariances.photos
