@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -112,5 +113,9 @@ class TargetMap:
 
     def bounds_m(self) -> tuple[Array, Array]:
         """Least and greatest coordinates of all dots, each of shape (3,)."""
+        return self._bounds_m
+
+    @cached_property
+    def _bounds_m(self) -> tuple[Array, Array]:
         dots_m = np.concatenate([target.dots_m for target in self.targets])
         return dots_m.min(axis=0), dots_m.max(axis=0)
