@@ -183,7 +183,7 @@ class CameraRow(Base):
 
 
 class TrajectoryRow(Base):
-    """Snapshots of one device on one site, in the order of time."""
+    """Snapshots of one device on one site, and what they come to: its row is locked while one is added."""
 
     __tablename__ = "trajectories"
     id: Mapped[Id]
@@ -193,16 +193,25 @@ class TrajectoryRow(Base):
     default_key: Mapped[str | None] = mapped_column(Text(), unique=True)  # one open default per site and device
     created_s: Mapped[Number]
     closed_s: Mapped[Number | None]
+    snapshot_count: Mapped[int]
+    failures: Mapped[Json]  # how many by reason
+    first_s: Mapped[Number | None]
+    last_s: Mapped[Number | None]
 
 
 class SnapshotRow(Base):
     """A located snapshot or a refusal. The numbers that queries ask for are columns; ``seen`` is for people."""
 
     __tablename__ = "snapshots"
-    __table_args__ = (Index(None, "trajectory_id", "captured_s"), UniqueConstraint("site_id", "snapshot_id"))
+    __table_args__ = (
+        Index(None, "trajectory_id", "captured_s", "ordinal"),
+        UniqueConstraint("trajectory_id", "ordinal"),
+        UniqueConstraint("site_id", "snapshot_id"),
+    )
     id: Mapped[Id]
     site_id: Mapped[str] = mapped_column(String(36), ForeignKey("sites.id", ondelete="CASCADE"))
     trajectory_id: Mapped[str] = mapped_column(String(36), ForeignKey("trajectories.id", ondelete="CASCADE"))
+    ordinal: Mapped[int]  # 1, 2, ... in the order of arrival, without a gap: whoever has n asks for what follows n
     snapshot_id: Mapped[str | None] = mapped_column(String(36))
     device_id: Mapped[Short | None]
     map_version: Mapped[int]

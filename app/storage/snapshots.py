@@ -126,16 +126,3 @@ class Snapshot:
     heading: Heading
     outcome: Located | NotFoundPose
     seen: Seen
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """Snapshots of one device on one site; a default one collects what names no other."""
-
-    trajectory_id: str
-    site_id: str
-    device_id: str | None
-    name: str
-    default: bool
-    created_s: float
-    closed_s: float | None

@@ -1,37 +1,20 @@
-"""Trajectories and their snapshots in the database: each located snapshot and each refusal is a row."""
+"""Trajectories in the database: opened, filled with snapshots and refusals, closed."""
 
 from __future__ import annotations
 
 import json
 import time
-from dataclasses import asdict
-from typing import Any, cast
 
-import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.errors import Conflict, NotFound
-from app.geometry.pose import Pose
-from app.storage.blobs import array_of_blob, blob_of_array
 from app.storage.ids import new_id
 from app.storage.models import SnapshotRow, TrajectoryRow
-from app.storage.snapshots import (
-    Heading,
-    Located,
-    Moment,
-    NewSnapshot,
-    NotFoundPose,
-    RefusedBlob,
-    Seen,
-    SeenTarget,
-    Snapshot,
-    TimeSource,
-    Trajectory,
-)
+from app.storage.snapshot_rows import snapshot_of_row, values_of_snapshot
+from app.storage.snapshots import NewSnapshot, NotFoundPose, Snapshot
+from app.storage.trajectory_parts import StoredTrajectory
 from app.storage.upsert import insert_if_absent
-
-POSE_COLUMNS = ("x_m", "y_m", "z_m", "sigma_m", "rotation", "covariance")  # null in a refusal
 
 
 class TrajectoryRepository:
@@ -40,7 +23,23 @@ class TrajectoryRepository:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def open_one(self, trajectory_id: str, site_id: str) -> Trajectory:
+    def add(self, site_id: str, device_id: str | None, name: str) -> StoredTrajectory:
+        """A new trajectory without snapshots."""
+        row = TrajectoryRow(default_key=None, **_first_values(site_id, device_id, name))
+        self._session.add(row)
+        self._session.flush()
+        return stored_trajectory(row)
+
+    def get(self, trajectory_id: str) -> StoredTrajectory:
+        """One trajectory as it stands.
+
+        Raises
+        ------
+        NotFound
+        """
+        return stored_trajectory(self._row(trajectory_id))
+
+    def open_one(self, trajectory_id: str, site_id: str) -> StoredTrajectory:
         """A trajectory that takes snapshots of a site.
 
         Raises
@@ -50,48 +49,58 @@ class TrajectoryRepository:
         Conflict
             When it is closed or belongs to another site.
         """
-        row = self._session.get(TrajectoryRow, trajectory_id)
-        if row is None:
-            raise NotFound(
-                f"there is no trajectory {trajectory_id}; leave trajectory_id out to use the device's default",
-                trajectory_id=trajectory_id,
-            )
-        if row.site_id != site_id or row.closed_s is not None:
-            why = "is closed" if row.site_id == site_id else f"belongs to site {row.site_id}"
-            raise Conflict(
-                f"trajectory {trajectory_id} {why}; name an open one of this site or leave trajectory_id out",
-                trajectory_id=trajectory_id,
-            )
-        return _trajectory(row)
+        row = self._row(trajectory_id)
+        if row.site_id != site_id:
+            raise _refusal(trajectory_id, f"belongs to site {row.site_id}")
+        if row.closed_s is not None:
+            raise _refusal(trajectory_id, "is closed")
+        return stored_trajectory(row)
 
-    def default(self, site_id: str, device_id: str | None) -> Trajectory:
-        """The trajectory that collects a device's snapshots of a site; made when there is none."""
-        query = select(TrajectoryRow).where(TrajectoryRow.default_key == json.dumps([site_id, device_id]))
+    def default(self, site_id: str, device_id: str | None) -> StoredTrajectory:
+        """The open trajectory that collects a device's snapshots of a site; made when there is none."""
+        key = json.dumps([site_id, device_id])
+        # Locked: nobody closes it before the snapshot is in.
+        query = select(TrajectoryRow).where(TrajectoryRow.default_key == key).with_for_update()
         row = self._session.scalars(query).one_or_none()
         if row is None:
-            self._add_default(site_id, device_id)
+            values = _first_values(site_id, device_id, "default")
+            insert_if_absent(self._session, TrajectoryRow, default_key=key, **values)  # whoever comes first makes it
             row = self._session.scalars(query).one()
-        return _trajectory(row)
+        return stored_trajectory(row)
 
-    def _add_default(self, site_id: str, device_id: str | None) -> None:
-        """Whoever comes first makes it."""
-        insert_if_absent(
-            self._session,
-            TrajectoryRow,
-            id=new_id(),
-            site_id=site_id,
-            device_id=device_id,
-            name="default",
-            default_key=json.dumps([site_id, device_id]),
-            created_s=time.time(),
-            closed_s=None,
-        )
+    def close(self, trajectory_id: str) -> StoredTrajectory:
+        """Take no more snapshots; a trajectory that is closed stays as it is.
+
+        A default trajectory ceases to be one: the device's next snapshot opens another.
+
+        Raises
+        ------
+        NotFound
+        """
+        row = self._row(trajectory_id, lock=True)
+        if row.closed_s is None:
+            row.closed_s, row.default_key = time.time(), None
+            self._session.flush()
+        return stored_trajectory(row)
 
     def record(self, trajectory_id: str, snapshot: NewSnapshot) -> Snapshot:
-        """Add a snapshot; one whose ``snapshot_id`` the site already has is not added: the first one is returned."""
-        values = _snapshot_values(new_id(), trajectory_id, snapshot)
-        if insert_if_absent(self._session, SnapshotRow, **values):
-            return Snapshot(values["id"], trajectory_id, snapshot.heading, snapshot.outcome, snapshot.seen)
+        """Add a snapshot; one whose ``snapshot_id`` the site already has is not added: the first one is returned.
+
+        The trajectory's row is locked until the transaction ends, so that ordinals appear in their order.
+
+        Raises
+        ------
+        NotFound, Conflict
+            When the trajectory was deleted or closed in the meantime.
+        """
+        row = self._row(trajectory_id, lock=True)
+        if row.closed_s is not None:
+            raise _refusal(trajectory_id, "is closed")
+        place = {"id": new_id(), "trajectory_id": trajectory_id, "ordinal": row.snapshot_count + 1}
+        if insert_if_absent(self._session, SnapshotRow, **place, **values_of_snapshot(snapshot)):
+            _count(row, snapshot)
+            self._session.flush()
+            return Snapshot(str(place["id"]), trajectory_id, snapshot.heading, snapshot.outcome, snapshot.seen)
         first = self.find(snapshot.heading.site_id, str(snapshot.heading.snapshot_id))
         assert first is not None, "only a taken snapshot_id keeps a row out"
         return first
@@ -100,85 +109,70 @@ class TrajectoryRepository:
         """The snapshot that a client gave this id, None when it has not come yet."""
         query = select(SnapshotRow).where(SnapshotRow.site_id == site_id, SnapshotRow.snapshot_id == snapshot_id)
         row = self._session.scalars(query).one_or_none()
-        return None if row is None else _snapshot(row)
+        return None if row is None else snapshot_of_row(row)
 
     def snapshots(self, trajectory_id: str, limit: int) -> tuple[Snapshot, ...]:
-        """The first snapshots of a trajectory in the order of their time."""
+        """The first snapshots of a trajectory in the order of their time, with all that they showed."""
         query = select(SnapshotRow).where(SnapshotRow.trajectory_id == trajectory_id)
-        rows = self._session.scalars(query.order_by(SnapshotRow.captured_s, SnapshotRow.id).limit(limit))
-        return tuple(_snapshot(row) for row in rows)
+        rows = self._session.scalars(query.order_by(SnapshotRow.captured_s, SnapshotRow.ordinal).limit(limit))
+        return tuple(snapshot_of_row(row) for row in rows)
+
+    def _row(self, trajectory_id: str, *, lock: bool = False) -> TrajectoryRow:
+        row = self._session.get(TrajectoryRow, trajectory_id, with_for_update=lock)
+        if row is None:
+            raise NotFound(
+                f"there is no trajectory {trajectory_id}; GET /trajectories lists them, and a snapshot without "
+                "trajectory_id goes to its device's default",
+                trajectory_id=trajectory_id,
+            )
+        return row
 
 
-def _trajectory(row: TrajectoryRow) -> Trajectory:
-    default = row.default_key is not None
-    return Trajectory(row.id, row.site_id, row.device_id, row.name, default, row.created_s, row.closed_s)
-
-
-def _snapshot_values(pose_id: str, trajectory_id: str, snapshot: NewSnapshot) -> dict[str, Any]:
-    heading = snapshot.heading
-    return {
-        "id": pose_id,
-        "trajectory_id": trajectory_id,
-        "site_id": heading.site_id,
-        "snapshot_id": heading.snapshot_id,
-        "device_id": heading.device_id,
-        "map_version": heading.map_version,
-        "captured_s": heading.moment.captured_s,
-        "received_s": heading.received_s,
-        "time_source": heading.moment.source,
-        "clock_delay_s": heading.moment.clock_delay_s,
-        **_outcome_values(snapshot.outcome, asdict(snapshot.seen)),
-    }
-
-
-def _outcome_values(outcome: Located | NotFoundPose, seen: dict[str, Any]) -> dict[str, Any]:
-    if isinstance(outcome, NotFoundPose):
-        told = {**seen, "detail": outcome.detail, "advice": outcome.advice}
-        return {**dict.fromkeys(POSE_COLUMNS), "reason": outcome.reason, "seen": told}
-    x_m, y_m, z_m = (float(value) for value in outcome.site_from_cam.position_m)
-    fit = {
-        "sigma0": outcome.sigma0,
-        "redundancy": outcome.redundancy,
-        "rms_residual_px": outcome.rms_residual_px,
-        "camera_source": outcome.camera_source,
-        "ambiguity_ratio": outcome.ambiguity_ratio,
-    }
-    return {
-        "reason": None,
-        "x_m": x_m,
-        "y_m": y_m,
-        "z_m": z_m,
-        "sigma_m": float(outcome.position_sigma_m.max()),
-        "rotation": blob_of_array(outcome.site_from_cam.rotation),
-        "covariance": blob_of_array(outcome.covariance),
-        "seen": {**seen, **fit},
-    }
-
-
-def _snapshot(row: SnapshotRow) -> Snapshot:
-    moment = Moment(row.captured_s, cast(TimeSource, row.time_source), row.clock_delay_s)
-    heading = Heading(row.site_id, row.map_version, moment, row.received_s, row.device_id, row.snapshot_id)
-    seen = Seen(
-        targets=tuple(SeenTarget(**target) for target in row.seen["targets"]),
-        rejected=tuple(
-            RefusedBlob(item["reason"], (item["centre_px"][0], item["centre_px"][1]), item["code"])
-            for item in row.seen["rejected"]
-        ),
-        timing_ms=tuple((stage, milliseconds) for stage, milliseconds in row.seen["timing_ms"]),
+def stored_trajectory(row: TrajectoryRow) -> StoredTrajectory:
+    """The trajectory of a row."""
+    return StoredTrajectory(
+        trajectory_id=row.id,
+        site_id=row.site_id,
+        device_id=row.device_id,
+        name=row.name,
+        default=row.default_key is not None,
+        created_s=row.created_s,
+        closed_s=row.closed_s,
+        snapshot_count=row.snapshot_count,
+        failures=tuple(sorted(row.failures.items())),
+        first_s=row.first_s,
+        last_s=row.last_s,
     )
-    return Snapshot(row.id, row.trajectory_id, heading, _outcome(row), seen)
 
 
-def _outcome(row: SnapshotRow) -> Located | NotFoundPose:
-    if row.reason is not None or row.rotation is None or row.covariance is None:
-        return NotFoundPose(str(row.reason), row.seen["detail"], row.seen["advice"])
-    position_m = np.array([row.x_m, row.y_m, row.z_m], dtype=np.float64)
-    return Located(
-        site_from_cam=Pose(array_of_blob(row.rotation, 3, 3), position_m),
-        covariance=array_of_blob(row.covariance, 6, 6),
-        sigma0=row.seen["sigma0"],
-        redundancy=row.seen["redundancy"],
-        rms_residual_px=row.seen["rms_residual_px"],
-        camera_source=row.seen["camera_source"],
-        ambiguity_ratio=row.seen["ambiguity_ratio"],
+def _first_values(site_id: str, device_id: str | None, name: str) -> dict[str, object]:
+    return {
+        "id": new_id(),
+        "site_id": site_id,
+        "device_id": device_id,
+        "name": name,
+        "created_s": time.time(),
+        "closed_s": None,
+        "snapshot_count": 0,
+        "failures": {},
+        "first_s": None,
+        "last_s": None,
+    }
+
+
+def _count(row: TrajectoryRow, snapshot: NewSnapshot) -> None:
+    """Let a snapshot that was added stand in its trajectory's totals."""
+    captured_s = snapshot.heading.moment.captured_s
+    row.snapshot_count += 1
+    row.first_s = captured_s if row.first_s is None else min(row.first_s, captured_s)
+    row.last_s = captured_s if row.last_s is None else max(row.last_s, captured_s)
+    if isinstance(snapshot.outcome, NotFoundPose):
+        reason = snapshot.outcome.reason
+        row.failures = {**row.failures, reason: row.failures.get(reason, 0) + 1}
+
+
+def _refusal(trajectory_id: str, why: str) -> Conflict:
+    return Conflict(
+        f"trajectory {trajectory_id} {why}; name an open one of this site or leave trajectory_id out",
+        trajectory_id=trajectory_id,
     )

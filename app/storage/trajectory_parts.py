@@ -1,0 +1,160 @@
+"""Trajectories as they are kept and asked for, and the parts of them that queries give."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from app.errors import InvalidInput
+from app.storage.snapshots import Moment, NotFoundPose
+from app.trajectories.trajectory import Trajectory
+
+BAD_BOX = "bbox takes x_min,y_min,x_max,y_max or x_min,y_min,z_min,x_max,y_max,z_max in metres of the site frame"
+
+
+@dataclass(frozen=True)
+class StoredTrajectory:
+    """Snapshots of one device on one site; a default one collects what names no other.
+
+    Attributes
+    ----------
+    snapshot_count : int
+        Poses and failures; also the ordinal of the latest snapshot.
+    failures : tuple of (str, int)
+        How many by reason.
+    first_s, last_s : float or None
+        Earliest and latest time of capture, UTC; None while it is empty.
+    """
+
+    trajectory_id: str
+    site_id: str
+    device_id: str | None
+    name: str
+    default: bool
+    created_s: float
+    closed_s: float | None
+    snapshot_count: int
+    failures: tuple[tuple[str, int], ...]
+    first_s: float | None
+    last_s: float | None
+
+    @property
+    def failure_count(self) -> int:
+        """Snapshots without a pose."""
+        return sum(count for _, count in self.failures)
+
+    @property
+    def pose_count(self) -> int:
+        """Snapshots with a pose."""
+        return self.snapshot_count - self.failure_count
+
+
+@dataclass(frozen=True)
+class TimeRange:
+    """Times of capture with from_s <= t < to_s, UTC seconds since 1970; None leaves an end open."""
+
+    from_s: float | None = None
+    to_s: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.from_s is not None and self.to_s is not None and self.from_s >= self.to_s:
+            raise InvalidInput("from must lie before to: the range takes from <= t < to", field="from")
+
+
+@dataclass(frozen=True)
+class Box:
+    """An upright box of the site frame, its faces included, metres."""
+
+    least_m: tuple[float, float, float]
+    greatest_m: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        pairs = list(zip(self.least_m, self.greatest_m, strict=True))
+        if any(math.isnan(value) for pair in pairs for value in pair) or any(least > most for least, most in pairs):
+            raise InvalidInput(f"{BAD_BOX}, the least first", field="bbox")
+
+    @classmethod
+    def of_numbers(cls, numbers: list[float]) -> Box:
+        """The box of four numbers, of any height, or of six.
+
+        Raises
+        ------
+        InvalidInput
+        """
+        if len(numbers) == 4:
+            x_min, y_min, x_max, y_max = numbers
+            return cls((x_min, y_min, -math.inf), (x_max, y_max, math.inf))
+        if len(numbers) != 6:
+            raise InvalidInput(f"{BAD_BOX}, got {len(numbers)} numbers", field="bbox")
+        return cls((numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5]))
+
+
+@dataclass(frozen=True)
+class TrajectoryFilter:
+    """Which trajectories are wanted.
+
+    Time, box and sigma ask for trajectories with a snapshot that fits all three; a failure fits a time only.
+
+    Attributes
+    ----------
+    max_sigma_m : float or None
+        Greatest standard deviation of a position along any axis, metres.
+    """
+
+    site_id: str | None = None
+    device_id: str | None = None
+    times: TimeRange = TimeRange()
+    box: Box | None = None
+    max_sigma_m: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.box is not None and self.site_id is None:
+            raise InvalidInput("bbox is meant in the frame of one site: name its site_id", field="bbox")
+
+
+@dataclass(frozen=True)
+class Label:
+    """Which snapshot, the how-manieth of its trajectory, and where it came from."""
+
+    pose_id: str
+    ordinal: int
+    moment: Moment
+    map_version: int
+    device_id: str | None
+    snapshot_id: str | None
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A snapshot without a pose."""
+
+    label: Label
+    refusal: NotFoundPose
+
+
+@dataclass(frozen=True)
+class Place:
+    """Between two snapshots of a trajectory in the order of time: after the one captured then and numbered so."""
+
+    captured_s: float
+    ordinal: int
+
+
+@dataclass(frozen=True)
+class TrajectoryPart:
+    """Consecutive snapshots of a trajectory.
+
+    Attributes
+    ----------
+    poses : Trajectory
+    labels : tuple of Label
+        One per pose.
+    failures : tuple of Failure
+    end : Place or None
+        Where the next part begins; None when there is none.
+    """
+
+    poses: Trajectory
+    labels: tuple[Label, ...]
+    failures: tuple[Failure, ...]
+    end: Place | None

@@ -1,0 +1,101 @@
+"""Trajectories as text, written part by part, so that a million poses never stand in memory.
+
+The parts are consecutive pieces of one trajectory. Positions are written to the micrometre, quaternions to 1e-9,
+times to the microsecond.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from app.trajectories.trajectory import Array, Trajectory
+
+TUM_LINE = "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n"
+SIGMA_COLUMNS = ("sigma_x_m", "sigma_y_m", "sigma_z_m", "sigma_rx_rad", "sigma_ry_rad", "sigma_rz_rad")
+CSV_COLUMNS = ("time_utc", "time_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", *SIGMA_COLUMNS)
+CSV_POSE = "%.6f,%.6f,%.6f,%.6f,%.9f,%.9f,%.9f,%.9f,"
+CSV_SIGMAS = "%.7g,%.7g,%.7g,%.7g,%.7g,%.7g\n"
+CSV_NO_SIGMAS = "," * (len(SIGMA_COLUMNS) - 1) + "\n"
+DEGREE_DIGITS = 9  # 0.1 mm on the ground
+HEIGHT_DIGITS, METRES_DIGITS = 4, 6  # 0.1 mm, a micrometre
+
+
+def tum_text(parts: Iterable[Trajectory]) -> Iterator[str]:
+    """Lines ``time x y z qx qy qz qw``: seconds, metres, site_from_cam.
+
+    Notes
+    -----
+    The format of the TUM RGB-D benchmark (Sturm et al., IROS 2012), which the evaluation tools of robotics read.
+    """
+    for part in parts:
+        yield "".join(TUM_LINE % tuple(row) for row in _pose_rows(part))
+
+
+def csv_text(parts: Iterable[Trajectory]) -> Iterator[str]:
+    """One line per pose under a heading; a trajectory without covariances leaves the sigmas empty."""
+    yield ",".join(CSV_COLUMNS) + "\n"
+    for part in parts:
+        lines = zip(iso_times(part.times_s), _pose_rows(part), _sigma_texts(part), strict=True)
+        yield "".join(f"{time_utc},{CSV_POSE % tuple(row)}{sigmas}" for time_utc, row, sigmas in lines)
+
+
+def geojson_text(
+    parts: Iterable[Trajectory], geodetic: Callable[[Array], Array], members: dict[str, Any]
+) -> Iterator[str]:
+    """A feature collection with one point per pose (RFC 7946).
+
+    Parameters
+    ----------
+    parts : iterable of Trajectory
+    geodetic : callable
+        Takes positions of shape (N, 3) of the site frame to longitude (deg), latitude (deg) and height (m).
+    members : dict
+        What the collection says of itself beside its features.
+    """
+    head = json.dumps({"type": "FeatureCollection", **members})
+    yield head[:-1] + ', "features": ['
+    separator = ""
+    for part in parts:
+        for feature in _features(part, geodetic(part.positions_m)):
+            yield separator + json.dumps(feature)
+            separator = ",\n"
+    yield "]}\n"
+
+
+def iso_times(times_s: Array) -> npt.NDArray[np.str_]:
+    """ISO 8601 in UTC to the microsecond, shape (N,), of seconds since 1970."""
+    microseconds = np.round(times_s * 1e6).astype(np.int64)
+    return np.datetime_as_string(microseconds.astype("datetime64[us]"), unit="us", timezone="UTC")
+
+
+def _pose_rows(part: Trajectory) -> list[list[float]]:
+    rows: list[list[float]] = np.column_stack([part.times_s, part.positions_m, part.orientations_xyzw]).tolist()
+    return rows
+
+
+def _sigma_texts(part: Trajectory) -> Iterator[str]:
+    sigmas = part.sigmas
+    if sigmas is None:
+        return iter([CSV_NO_SIGMAS] * len(part))
+    return (CSV_SIGMAS % tuple(row) for row in sigmas.tolist())
+
+
+def _features(part: Trajectory, geodetic: Array) -> Iterator[dict[str, Any]]:
+    degrees = np.round(geodetic[:, :2], DEGREE_DIGITS)
+    coordinates = np.column_stack([degrees, np.round(geodetic[:, 2], HEIGHT_DIGITS)]).tolist()
+    properties: dict[str, list[Any]] = {
+        "time": iso_times(part.times_s).tolist(),
+        "position_m": np.round(part.positions_m, METRES_DIGITS).tolist(),
+        "orientation_xyzw": part.orientations_xyzw.tolist(),
+    }
+    if part.sigmas is not None:
+        properties["position_sigma_m"] = part.sigmas[:, :3].tolist()
+    for row, place in enumerate(coordinates):
+        point = {"type": "Point", "coordinates": place}
+        told = {name: values[row] for name, values in properties.items()}
+        yield {"type": "Feature", "geometry": point, "properties": told}
