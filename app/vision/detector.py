@@ -33,7 +33,7 @@ from app.vision.judgement import (
     missing_in_plain_view,
     one_dot_one_target,
 )
-from app.vision.measurement import PlateFits, cell_residuals, fit_patches, fit_under_blurs, measure_plates
+from app.vision.measurement import PlateFits, SizedPatches, cell_residuals, fit_patches
 from app.vision.patches import Pyramid, take_patches
 from app.vision.proposals import ProposalOptions, promising
 from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates
@@ -120,9 +120,10 @@ def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: D
     first = fit_patches(rough, np.full(len(groups), options.blur_px))
     first = first.select(one_dot_one_target(groups, first.explained()))
     refined = _refined(first, full.size_px, options)
-    blur_px = _choose_blur(full, refined, options)
     pyramid = _pyramid(bgr, first, options)
-    fits = measure_plates(pyramid, refined, blur_px)
+    patches = SizedPatches.of(pyramid, refined)
+    blur_px = _choose_blur(patches, full.size_px, options)
+    fits = patches.fit(blur_px)
     inks = read_inks(fits.amplitudes, options.inks)
     dots = locate_dots(fits, inks, full.size_px, options.centres)
     refined = refine_homographies(fits, dots)
@@ -144,11 +145,10 @@ def _refined(fits: PlateFits, size_px: tuple[int, int], options: DetectorOptions
     return refine_homographies(fits, locate_dots(fits, inks, size_px, options.centres))
 
 
-def _choose_blur(pyramid: Pyramid, image_from_plate: Array, options: DetectorOptions) -> float:
+def _choose_blur(patches: SizedPatches, size_px: tuple[int, int], options: DetectorOptions) -> float:
     """The blur under which the dots of a few plates lie best on their grids: all plates share one lens and focus."""
-    few = image_from_plate[:: max(1, len(image_from_plate) // options.blur_plates)][: options.blur_plates]
-    fits = fit_under_blurs(pyramid, few, options.blurs_px)
-    dots = locate_dots(fits, read_inks(fits.amplitudes, options.inks), pyramid.size_px, options.centres)
+    fits = patches.fit_some(options.blur_plates, options.blurs_px)
+    dots = locate_dots(fits, read_inks(fits.amplitudes, options.inks), size_px, options.centres)
     misfits = misfit_px(dots, refine_homographies(fits, dots)).reshape(len(options.blurs_px), -1)
     return options.blurs_px[int(np.argmin(np.median(misfits, axis=1)))]
 

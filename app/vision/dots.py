@@ -103,7 +103,7 @@ def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
 
 
 def _red_pictures(bgr: Pixels, options: DotOptions) -> tuple[Pixels, Pixels]:
-    """How much redder than grey each pixel is, and 1 where it belongs to the upper half of its own peak; both (H, W).
+    """How much redder than grey each pixel is, and 255 where it belongs to the upper half of its own peak; both (H, W).
 
     Strip by strip, so that each step finds the last one's result in the processor's cache.
     """
@@ -130,12 +130,12 @@ def _red_excess(bgr: Pixels, gain: float, options: DotOptions) -> Pixels:
 
 
 def _upper_half(excess: Pixels, options: DotOptions) -> Pixels:
-    """1 where a pixel belongs to the upper half of its own peak, shape (H, W)."""
+    """255 where a pixel belongs to the upper half of its own peak, shape (H, W)."""
     window = np.ones((options.peak_window_px, options.peak_window_px), dtype=np.uint8)
-    peak = np.asarray(cv2.dilate(excess, window), dtype=np.uint8)
-    np.right_shift(peak, 1, out=peak)  # half the peak
-    np.maximum(peak, options.red_floor, out=peak)
-    return (excess > peak).view(np.uint8)
+    # More than half the peak: more than what it lacks to the peak. OpenCV does this at the speed of memory.
+    lacking = cv2.subtract(cv2.dilate(excess, window), excess)
+    floor = np.full(excess.shape, options.red_floor, dtype=np.uint8)
+    return np.asarray(cv2.compare(excess, cv2.max(lacking, floor), cv2.CMP_GT), dtype=np.uint8)
 
 
 def _ring_contrast(excess: Pixels, centres_px: Array, semi_axes_px: Array, options: DotOptions) -> Array:

@@ -57,27 +57,43 @@ class PlateFits:
         return 1.0 - self.residual_rms**2 / np.maximum(self.spread_rms**2, 1.0)
 
 
-def measure_plates(pyramid: Pyramid, image_from_plate: Array, blur_px: float) -> PlateFits:
-    """Fit all plates, each on the grid for its size.
+@dataclass(frozen=True)
+class SizedPatches:
+    """Patches of P plates, each on the grid for its size.
 
-    Parameters
+    Attributes
     ----------
-    pyramid : Pyramid
-    image_from_plate : ndarray of shape (P, 3, 3)
-        Homographies, good to half a dot's radius.
-    blur_px : float
-        Standard deviation of the blur in the photograph's own pixels.
+    parts : tuple of Patches
+        One or two grids.
+    plates : ndarray of shape (P,)
+        The plate of each patch, part after part.
     """
-    large = local_px_per_u(image_from_plate) > PatchGrid.FINE.px_per_u_max
-    parts = [
-        fit_patches(take_patches(pyramid, image_from_plate[chosen], grid), np.full(chosen.sum(), blur_px))
-        for chosen, grid in ((~large, PatchGrid.FINE), (large, PatchGrid.DENSE))
-        if chosen.any()
-    ]
-    position = np.argsort(np.concatenate([np.flatnonzero(~large), np.flatnonzero(large)]))
-    return PlateFits(
-        *(np.concatenate([getattr(part, field.name) for part in parts])[position] for field in fields(PlateFits))
-    )
+
+    parts: tuple[Patches, ...]
+    plates: npt.NDArray[np.intp]
+
+    @classmethod
+    def of(cls, pyramid: Pyramid, image_from_plate: Array) -> SizedPatches:
+        """Sample all plates through homographies of shape (P, 3, 3), good to half a dot's radius."""
+        large = local_px_per_u(image_from_plate) > PatchGrid.FINE.px_per_u_max
+        sizes = [(np.flatnonzero(~large), PatchGrid.FINE), (np.flatnonzero(large), PatchGrid.DENSE)]
+        sizes = [(chosen, grid) for chosen, grid in sizes if len(chosen)]
+        parts = tuple(take_patches(pyramid, image_from_plate[chosen], grid) for chosen, grid in sizes)
+        return cls(parts, np.concatenate([chosen for chosen, _ in sizes]))
+
+    def fit(self, blur_px: float) -> PlateFits:
+        """Fit all plates under one blur (standard deviation in the photograph's own pixels), in the plates' order."""
+        fits = [fit_patches(part, np.full(len(part.samples), blur_px)) for part in self.parts]
+        position = np.argsort(self.plates)
+        return PlateFits(
+            *(np.concatenate([getattr(part, field.name) for part in fits])[position] for field in fields(PlateFits))
+        )
+
+    def fit_some(self, count: int, blurs_px: tuple[float, ...]) -> PlateFits:
+        """A few plates of the smaller kind fitted under every blur; blur by blur, shape (B * few, ...)."""
+        smaller = self.parts[0]
+        few = np.arange(len(smaller.samples))[:: max(1, len(smaller.samples) // count)][:count]
+        return fit_patches(smaller.select(np.tile(few, len(blurs_px))), np.repeat(blurs_px, len(few)))
 
 
 def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
@@ -120,12 +136,6 @@ def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
         spread_rms=np.sqrt(np.maximum(spread, 0.0) / (CHANNELS * count)),
         offset_cofactors=cofactors,
     )
-
-
-def fit_under_blurs(pyramid: Pyramid, image_from_plate: Array, blurs_px: tuple[float, ...]) -> PlateFits:
-    """The same plates fitted under every blur from one sampling; blur by blur, shape (B * P, ...)."""
-    patches = take_patches(pyramid, image_from_plate, PatchGrid.FINE)
-    return fit_patches(patches.repeated(len(blurs_px)), np.repeat(blurs_px, len(image_from_plate)))
 
 
 def cell_residuals(pyramid: Pyramid, image_from_plate: Array, blur_px: float) -> Array:

@@ -89,13 +89,13 @@ class Patches:
         """Template level of each plate for a blur of the photograph, px of standard deviation."""
         return blur_level(np.sqrt(blur_px**2 + self.pixel_px2) / self.px_per_u)
 
-    def repeated(self, times: int) -> Patches:
-        """All patches so many times over."""
+    def select(self, chosen: npt.NDArray[np.intp]) -> Patches:
+        """Some of the patches; one may be chosen several times."""
         return Patches(
-            np.tile(self.samples, (times, 1, 1)),
-            np.tile(self.image_from_plate, (times, 1, 1)),
-            np.tile(self.px_per_u, times),
-            np.tile(self.pixel_px2, times),
+            self.samples[chosen],
+            self.image_from_plate[chosen],
+            self.px_per_u[chosen],
+            self.pixel_px2[chosen],
             self.grid,
         )
 

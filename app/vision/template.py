@@ -42,11 +42,11 @@ class PatchGrid(Enum):
 
     @property
     def px_per_u_max(self) -> float:
-        """Largest plate that the grid does justice to: samples stand 2 px apart there, so that none falls between.
+        """Largest plate that the grid does justice to: samples stand 2-2.4 px apart there, and none falls between.
 
         The rough grid looks at single pixels of any plate.
         """
-        return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.8, PatchGrid.DENSE: 7.5}[self]
+        return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.8, PatchGrid.DENSE: 9.0}[self]
 
     @cache
     def cell_members(self) -> Array32:
