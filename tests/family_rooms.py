@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -13,7 +14,8 @@ from app.planning.synthetic import RenderedPhoto, render
 from app.targets.family import family_by_name
 
 U_M = 0.02
-EVERY = 2  # half of the stations still see every target three times
+EVERY = 2  # half of the stations: enough for half of the targets to be seen three times
+LEAST_RAYS = 3
 EYE = look_at(np.array([1.9, 2.0, 1.4]), np.array([0.6, 0.5, 1.3]))
 
 
@@ -33,6 +35,17 @@ class FamilyRoom:
     plan: SurveyPlan
     photos: dict[str, RenderedPhoto]
     snapshot: RenderedPhoto
+
+    @property
+    def codes(self) -> set[int]:
+        """All that hang in the room."""
+        return {target.code for target in self.plan.scene.targets}
+
+    @property
+    def carried(self) -> set[int]:
+        """Codes that enough of the survey's photographs show wholly."""
+        rays = Counter(code for photo in self.photos.values() for code in photo.whole_codes())
+        return {code for code, count in rays.items() if count >= LEAST_RAYS}
 
     @property
     def site_from_cam(self) -> Pose:

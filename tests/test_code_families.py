@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,6 @@ from app.vision.detector import detect
 from app.vision.photo import load_photo
 from tests.family_rooms import U_M, FamilyRoom, family_room
 
-LEAST_RAYS = 3
 GROSS_SIGMAS = 5.0  # of the position's own covariance: what lies farther off was not measured but mistaken
 
 
@@ -33,9 +30,7 @@ def test_a_site_can_use_any_family(name: str) -> None:
     assert survey.unoriented == ()
     assert survey.target_map.code_family == name
     published = set(survey.target_map.by_code)
-    assert published <= {target.code for target in room.plan.scene.targets}
-    whole = Counter(code for photo in room.photos.values() for code in photo.whole_codes())
-    assert published >= {code for code, rays in whole.items() if rays >= LEAST_RAYS}
+    assert room.carried <= published <= room.codes
     snapshot = load_photo(room.snapshot.jpeg)
     known = frozenset(published)
     detection = detect(snapshot.bgr, family_by_name(name), known_codes=known)
