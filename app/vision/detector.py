@@ -64,7 +64,7 @@ class DetectorOptions:
 
     strictness: Strictness = "normal"
     blur_px: float = 0.7
-    blurs_px: tuple[float, ...] = (0.45, 0.75, 1.3, 2.2)
+    blurs_px: tuple[float, ...] = (0.5, 0.9, 1.7)
     blur_plates: int = 5
     dots: DotOptions = field(default_factory=DotOptions)
     grouping: GroupingOptions = field(default_factory=GroupingOptions)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
-STRIP_ROWS = 128  # of a 12-megapixel photograph 1.5 MB: a processor core's own cache
+STRIP_ROWS = 256  # 1.5 MB of a 1080p photograph, 3 MB of 12 megapixels: what stays near a processor core
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def _red_pictures(bgr: Pixels, options: DotOptions) -> tuple[Pixels, Pixels]:
     """
     gain = _red_gain(bgr, options)
     height = len(bgr)
-    excess, mask = np.empty(bgr.shape[:2], dtype=np.uint8), np.empty(bgr.shape[:2], dtype=np.uint8)
+    excess, mask = np.empty((2, *bgr.shape[:2]), dtype=np.uint8)
     halo = options.smooth_px // 2 + options.peak_window_px // 2
     for first in range(0, height, STRIP_ROWS):
         last = min(first + STRIP_ROWS, height)
@@ -164,7 +164,8 @@ def sample_rows(pixels: Pixels, points_px: Array) -> Array:
 def _red_gain(bgr: Pixels, options: DotOptions) -> float:
     """What takes the photograph's white in red to its green and blue (white patch on a sparse grid)."""
     sparse = bgr[:: options.sparse_step_px, :: options.sparse_step_px].reshape(-1, 3)
-    blue, green, red = np.percentile(sparse, options.white_percentile, axis=0)
+    rank = int(options.white_percentile / 100.0 * (len(sparse) - 1))
+    blue, green, red = np.partition(sparse, rank, axis=0)[rank].astype(np.float64)
     return float(np.clip(max(blue, green, 1.0) / max(red, 1.0), *options.red_gain))
 
 
