@@ -32,6 +32,8 @@ class ControlOptions:
         survey; below it the points are taken as less accurate than stated.
     least_gain : float
         Fall of chi-square by which an error must explain the residuals to be named: 5 standard deviations.
+    most_suspects : int
+        Points of the greatest residuals that are suspected of an error: the targets of a whole map may be control.
     most_permuted : int
         Points up to which all exchanges are tried for a hidden symmetry of the layout: 5 are 120.
     """
@@ -39,6 +41,7 @@ class ControlOptions:
     doubt: float = 1e-4
     gross_sigmas: float = 5.0
     least_gain: float = 25.0
+    most_suspects: int = 8
     most_permuted: int = 5
 
 
@@ -77,7 +80,7 @@ def judge_control(pairs: PointPairs, names: tuple[str, ...], options: ControlOpt
         return fit, 1.0
     suspicions = [
         found
-        for found in _suspicions(pairs)
+        for found in _suspicions(pairs, _suspects(fit, options))
         if found.fit.is_credible(options.doubt) and fit.chi2 - found.fit.chi2 > options.least_gain
     ]
     factor = float(np.sqrt(fit.chi2 / fit.redundancy))
@@ -86,17 +89,23 @@ def judge_control(pairs: PointPairs, names: tuple[str, ...], options: ControlOpt
     return fit, factor
 
 
-def _suspicions(pairs: PointPairs) -> Iterator[Suspicion]:
-    """All single errors that leave enough points to judge by; with three points there are none."""
+def _suspects(fit: ControlFit, options: ControlOptions) -> list[int]:
+    """Places of the points with the greatest residuals, ascending."""
+    sizes_m = np.linalg.norm(fit.residuals_m, axis=1)
+    return sorted(np.argsort(-sizes_m)[: options.most_suspects].tolist())
+
+
+def _suspicions(pairs: PointPairs, suspects: list[int]) -> Iterator[Suspicion]:
+    """Single errors of the suspects that leave enough points to judge by; with three points there are none."""
     every = np.arange(len(pairs))
     if len(pairs) <= FEWEST_POINTS:
         return
-    for first, second in combinations(range(len(pairs)), 2):
+    for first, second in combinations(suspects, 2):
         order = every.copy()
         order[[first, second]] = second, first
         apart_m = float(np.linalg.norm(pairs.site_m[first] - pairs.site_m[second]))
         yield Suspicion("swapped", (first, second), fit_control(pairs.permuted(order)), apart_m)
-    for point in range(len(pairs)):
+    for point in suspects:
         rest = pairs.select(np.delete(every, point))
         if not is_one_line(rest.site_m, rest.sigma_m):
             without = fit_control(rest)

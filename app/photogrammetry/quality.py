@@ -8,13 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 from app.photogrammetry.bundle_problem import BundleProblem
+from app.photogrammetry.control import StandingTargets
 from app.photogrammetry.network import Network
 from app.photogrammetry.plate_faults import PlateFits
 from app.photogrammetry.robust import robust_scale
 from app.photogrammetry.sightings import Sightings
 
 Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+Index = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -89,10 +90,13 @@ def fault_of_plate(fits: PlateFits, u_m: float, scale: float, options: QualityOp
     return found
 
 
-def well_seen(network: Network, sightings: Sightings, fewest_rays: int, options: QualityOptions) -> Mask:
-    """Targets with so many rays at a great enough angle, shape (T,)."""
-    angles = intersection_angles(network, sightings)
-    return (sightings.rays() >= fewest_rays) & (angles >= options.least_angle_rad)
+def standing_targets(codes: Index, network: Network, sightings: Sightings, options: QualityOptions) -> StandingTargets:
+    """The targets of a network, codes of shape (T,), judged by their rays."""
+    angled = intersection_angles(network, sightings) >= options.least_angle_rad
+    rays = sightings.rays()
+    return StandingTargets(
+        codes, angled & (rays >= options.fewest_rays), angled & (rays >= options.fewest_control_rays)
+    )
 
 
 def intersection_angles(network: Network, sightings: Sightings) -> Array:

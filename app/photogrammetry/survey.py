@@ -9,14 +9,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
+from threadpoolctl import threadpool_limits
+
 from app.geometry.control import ControlPoint
 from app.geometry.target_map import TargetMap
 from app.photogrammetry.choose_network import choose_network
-from app.photogrammetry.cleaning import CleanNetwork, clean_network
-from app.photogrammetry.control import StandingTargets, check_control
+from app.photogrammetry.cleaning import clean_network
+from app.photogrammetry.control import check_control
 from app.photogrammetry.growth import Growth, GrowthOptions
 from app.photogrammetry.initial_network import grow_networks
-from app.photogrammetry.quality import QualityOptions, well_seen
+from app.photogrammetry.quality import QualityOptions, standing_targets
 from app.photogrammetry.self_calibration import self_calibrate
 from app.photogrammetry.site_network import SiteOptions, refer_to_site
 from app.photogrammetry.survey_input import PlateSpec, SurveyInput, SurveyPhoto, read_survey
@@ -82,20 +84,28 @@ def adjust_survey(
     InvalidControlPoints
         When control points are too few, in one line, not seen, or contradict the photographs.
     """
-    options, tell = options or SurveyOptions(), progress or _silent
     check_control(control)
     survey = read_survey(photos, plate)
+    # Thousands of products of small matrices: several threads would only wait for each other.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _result(_adjusted(survey, tuple(control), options or SurveyOptions(), progress or _silent), plate)
+
+
+def _adjusted(
+    survey: SurveyInput, points: tuple[ControlPoint, ...], options: SurveyOptions, tell: SurveyProgress
+) -> SurveyOutcome:
     networks = _grown(survey, options, tell)
-    chosen = choose_network(survey, networks, control)
+    chosen = choose_network(survey, networks, points)
     clean = clean_network(networks[chosen], options.quality, partial(tell, "adjust", 0, 1))
-    standing = _standing(survey, clean, options.quality)
+    codes = survey.codes[clean.part.targets]
+    standing = standing_targets(codes, clean.adjusted.network, clean.problem.sightings, options.quality)
     check_published(survey, standing)
     tell("control", 0, 1)
-    site = refer_to_site(clean, control, standing, options.site, partial(tell, "control", 0, 1))
+    site = refer_to_site(clean, points, standing, options.site, partial(tell, "control", 0, 1))
     tell("covariance", 0, 1)
     solution = solve_uncertainty(site, standing.published)
     stages = survey, networks, chosen, clean, standing, site, solution
-    return _result(SurveyOutcome(*stages, tuple(control), options.quality.fewest_rays), plate)
+    return SurveyOutcome(*stages, points, options.quality.fewest_rays)
 
 
 def _silent(stage: str, done: int, total: int) -> None:
@@ -106,15 +116,6 @@ def _grown(survey: SurveyInput, options: SurveyOptions, tell: SurveyProgress) ->
     total = len(survey.names)
     tell("network", 0, total)
     return grow_networks(survey.problem, options.growth, lambda oriented: tell("network", oriented, total))
-
-
-def _standing(survey: SurveyInput, clean: CleanNetwork, options: QualityOptions) -> StandingTargets:
-    network, sightings = clean.adjusted.network, clean.problem.sightings
-    return StandingTargets(
-        survey.codes[clean.part.targets],
-        well_seen(network, sightings, options.fewest_rays, options),
-        well_seen(network, sightings, options.fewest_control_rays, options),
-    )
 
 
 def _result(outcome: SurveyOutcome, plate: PlateSpec) -> SurveyResult:

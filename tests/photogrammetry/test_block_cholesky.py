@@ -91,5 +91,5 @@ def test_the_factor_of_a_hall_grows_nearly_linearly() -> None:
     sides = np.array([15, 30, 60])
     entries = np.log([grid_factor_entries(side) for side in sides])
     exponent = (entries[2] - entries[1]) / np.log(4.0)
-    # A dense factor has exponent 2; nested dissection of a plane graph has n log n. The adjustment is to stay below 1.3.
+    # A dense factor has exponent 2, nested dissection of a plane graph n log n; the adjustment is to stay below 1.3.
     assert exponent < 1.3

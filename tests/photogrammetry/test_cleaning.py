@@ -63,7 +63,7 @@ def survey_of_two_states(before: Room, after: Room) -> list[SurveyPhoto]:
 @pytest.mark.parametrize("distance_m", [0.03, 0.5])
 def test_a_target_that_was_moved_or_posted_twice_is_left_out(distance_m: float) -> None:
     pose = ROOM.poses[105]
-    elsewhere = ROOM.with_pose(105, Pose(pose.rotation, pose.position_m + [distance_m, 0.0, 0.0]))
+    elsewhere = ROOM.with_pose(105, Pose(pose.rotation, pose.position_m + np.array([distance_m, 0.0, 0.0])))
     result = adjusted(survey_of_two_states(ROOM, elsewhere))
     words = left_out(result.report, 105)
     assert words.startswith("moved: stands in two places")

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 from app.errors import InvalidControlPoints
 from app.geometry.control import ControlPoint
+from app.photogrammetry.cleaning import CleanNetwork, clean_network
+from app.photogrammetry.control import StandingTargets, check_control
+from app.photogrammetry.growth import GrowthOptions
+from app.photogrammetry.initial_network import grow_networks
+from app.photogrammetry.quality import QualityOptions, standing_targets
+from app.photogrammetry.site_network import SiteOptions, refer_to_site
 from app.photogrammetry.survey import SurveyResult, adjust_survey
+from app.photogrammetry.survey_input import read_survey
 from tests.photogrammetry.survey_scene import (
     CHECK_DOTS,
     CONTROL_DOTS,
@@ -31,9 +39,22 @@ def adjusted(points: Sequence[ControlPoint]) -> SurveyResult:
     return adjust_survey(PHOTOS, points, PLATE)
 
 
+@cache
+def clean() -> tuple[CleanNetwork, StandingTargets]:
+    """The photographs' own network, which control points do not change."""
+    survey = read_survey(PHOTOS, PLATE)
+    (network,) = grow_networks(survey.problem, GrowthOptions(), [].append)
+    found = clean_network(network, QualityOptions(), lambda: None)
+    sightings = found.problem.sightings
+    codes = survey.codes[found.part.targets]
+    return found, standing_targets(codes, found.adjusted.network, sightings, QualityOptions())
+
+
 def refused(points: Sequence[ControlPoint]) -> InvalidControlPoints:
+    network, standing = clean()
     with pytest.raises(InvalidControlPoints) as caught:
-        adjusted(points)
+        check_control(points)
+        refer_to_site(network, points, standing, SiteOptions(), lambda: None)
     return caught.value
 
 
@@ -56,8 +77,8 @@ def test_one_or_two_points_are_too_few(count: int) -> None:
 
 
 def test_points_in_one_line_are_refused() -> None:
-    place_m = CONTROL[0].position_m
-    line = [replace(point, position_m=place_m + [0.9 * n, 0.4 * n, 0.2 * n]) for n, point in enumerate(CONTROL)]
+    place_m, along_m = CONTROL[0].position_m, np.array([0.9, 0.4, 0.2])
+    line = [replace(point, position_m=place_m + number * along_m) for number, point in enumerate(CONTROL)]
     assert refused(line).fields["reason"] == "collinear"
 
 
@@ -103,6 +124,11 @@ def test_two_exchanged_points_are_found_by_name(pair: tuple[int, int]) -> None:
     names = [CONTROL[place].name for place in pair]
     assert error.fields["suspects"][0] == {"kind": "swapped", "points": names}
     assert " and ".join(names) in error.detail
+
+
+def test_a_survey_with_bad_control_is_refused() -> None:
+    with pytest.raises(InvalidControlPoints):
+        adjusted([shifted(CONTROL[0], (0.5, 0.2, 0.1)), *CONTROL[1:]])
 
 
 def test_an_error_among_three_points_is_only_noticed() -> None:

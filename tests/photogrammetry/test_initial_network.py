@@ -35,7 +35,7 @@ def grown(photos: Sequence[SurveyPhoto], focal_factor: float = 1.0) -> tuple[Sur
     intrinsics = known.camera.intrinsics * np.r_[focal_factor, focal_factor, np.ones(7)]
     wrong = replace(known, camera=known.camera.with_intrinsics(intrinsics))
     problem = replace(survey.problem, cameras=(wrong, *survey.problem.cameras[1:]))
-    return survey, grow_networks(problem, GrowthOptions(), lambda oriented: None)
+    return survey, grow_networks(problem, GrowthOptions(), [].append)
 
 
 def shape_errors_m(survey: SurveyInput, growth: Growth, room: Room = ROOM) -> np.ndarray:

@@ -31,5 +31,5 @@ def test_small_residuals_cost_their_square(loss: RobustLoss) -> None:
 def test_robust_scale_is_the_standard_deviation_of_normal_residuals() -> None:
     count = 20_000
     residuals = np.random.default_rng(5).normal(0.0, 2.5, (count, 2))
-    # The median of n samples of a Rayleigh length has a relative deviation of 1 / (2 ln 2 sqrt(n)) = 0.5 %; four of them.
+    # The median of n Rayleigh lengths has a relative deviation of 1 / (2 ln 2 sqrt(n)), half a percent; four of them.
     assert abs(robust_scale((residuals**2).sum(axis=-1)) / 2.5 - 1.0) < 4.0 / (2.0 * np.log(2.0) * np.sqrt(count))
