@@ -18,7 +18,9 @@ from app.jobs.pool import WorkerPool
 from app.services.build_map import BuildLimits, MapBuilder
 from app.services.locate import LocateLimits, Locator
 from app.services.readiness import Readiness
+from app.services.report import ReportWriter
 from app.services.surveys import PhotoIntake
+from app.services.trajectory_bell import TrajectoryBell
 from app.services.workers import start_worker
 from app.settings import Settings, settings_from_environment
 from app.storage.database import Database
@@ -44,6 +46,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     building = WorkerPool(settings.build_workers, settings.build_workers, start_worker, bench)
     width = BuildLimits(limits, settings.build_workers, settings.detect_timeout_s, settings.adjust_timeout_s)
     runner = BuildRunner(database, MapBuilder(database, building, width))
+    bell = TrajectoryBell()
     try:
         _start_fork_server()
         await asyncio.gather(asyncio.to_thread(locating.start), asyncio.to_thread(building.start))
@@ -52,7 +55,9 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
             database=database,
             intake=PhotoIntake(database, photos, limits),
             builds=runner,
-            locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s)),
+            locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell),
+            bell=bell,
+            reports=ReportWriter(locating, settings.report_timeout_s),
             readiness=Readiness(database, settings.photographs_dir, {"locate": locating, "build": building}),
         )
     finally:

@@ -11,7 +11,7 @@ from fastapi.openapi.utils import get_openapi
 
 from app.api.dependencies import Services
 from app.api.problems import Problem, add_handlers
-from app.api.routes import jobs, locate, maps, operations, sites, surveys
+from app.api.routes import jobs, locate, maps, operations, sites, surveys, trajectories
 from app.api.too_large import TooLargeAsProblem
 from app.settings import Settings
 
@@ -42,7 +42,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     add_handlers(app)
     app.add_middleware(TooLargeAsProblem)
     snapshot_bytes = settings.max_photo_bytes + FORM_OVERHEAD_BYTES
-    for routes in (sites, surveys, jobs, maps, operations):
+    for routes in (sites, surveys, jobs, maps, trajectories, operations):
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)
     app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)
     app.include_router(locate.router, max_body_size=snapshot_bytes)

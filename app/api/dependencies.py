@@ -13,7 +13,9 @@ from app.errors import NotFound
 from app.services.locate import Locator
 from app.services.ports import BuildQueue
 from app.services.readiness import Readiness
+from app.services.report import ReportWriter
 from app.services.surveys import PhotoIntake
+from app.services.trajectory_bell import TrajectoryBell
 from app.storage.database import Database, Session
 from app.storage.paging import PageRequest
 
@@ -29,6 +31,8 @@ class Services:
     intake: PhotoIntake
     builds: BuildQueue
     locator: Locator
+    reports: ReportWriter
+    bell: TrajectoryBell
     readiness: Readiness
 
 

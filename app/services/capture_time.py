@@ -1,4 +1,4 @@
-"""When a snapshot was taken, as its client tells it."""
+"""When a snapshot was taken, as its client tells it; times as text, and back."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def moment_of(clock: ClientClock, received_s: float) -> Moment:
     """
     if clock.captured_at is None:
         return Moment(received_s, "server")
-    captured_s = _seconds(clock.captured_at.strip()) + clock.offset_s
+    captured_s = seconds_of(clock.captured_at, "captured_at") + clock.offset_s
     if not 0.0 <= captured_s <= LATEST_S:
         raise InvalidInput(
             f"captured_at {clock.captured_at!r} with its offset lies before 1970 or after 9999; send {EXAMPLE}",
@@ -56,20 +56,32 @@ def iso_of(time_s: float) -> str:
     return datetime.fromtimestamp(time_s, UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
 
 
-def _seconds(text: str) -> float:
+def seconds_of(text: str, field: str) -> float:
+    """UTC seconds since 1970 of epoch seconds or ISO 8601 (UTC when no zone is written).
+
+    Raises
+    ------
+    InvalidInput
+        For a text that is no time; ``field`` says which one it was.
+    """
+    text = text.strip()
     try:
         seconds = float(text)
     except ValueError:
-        return _seconds_of_iso(text)
+        return _seconds_of_iso(text, field)
     if not math.isfinite(seconds):
-        raise InvalidInput(f"captured_at {text!r} is no time; send {EXAMPLE}", field="captured_at")
+        raise _no_time(text, field)
     return seconds
 
 
-def _seconds_of_iso(text: str) -> float:
+def _seconds_of_iso(text: str, field: str) -> float:
     try:
         # A "+" of a zone that was not escaped in a query arrives as a space.
         moment = datetime.fromisoformat(text.replace(" ", "T" if "T" not in text else "+"))
     except ValueError as error:
-        raise InvalidInput(f"captured_at {text!r} is no time; send {EXAMPLE}", field="captured_at") from error
+        raise _no_time(text, field) from error
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+def _no_time(text: str, field: str) -> InvalidInput:
+    return InvalidInput(f"{field} {text!r} is no time; send {EXAMPLE}", field=field)

@@ -12,6 +12,7 @@ from app.services.capture_time import ClientClock, moment_of
 from app.services.choose_camera import KnownCameras
 from app.services.locate_work import LocateOutcome, LocateTask, locate_photo
 from app.services.ports import CpuPool
+from app.services.trajectory_bell import TrajectoryBell
 from app.storage.cameras import CameraRepository
 from app.storage.database import Database
 from app.storage.sites import SiteRepository
@@ -61,10 +62,11 @@ class _Prepared:
 class Locator:
     """Locates snapshots: rows by threads, pixels by the pool, nothing on the event loop."""
 
-    def __init__(self, database: Database, pool: CpuPool, limits: LocateLimits) -> None:
+    def __init__(self, database: Database, pool: CpuPool, limits: LocateLimits, bell: TrajectoryBell) -> None:
         self._database = database
         self._pool = pool
         self._limits = limits
+        self._bell = bell
 
     async def locate(self, request: LocateRequest) -> Snapshot:
         """A snapshot's pose, recorded in its trajectory; a repeated ``snapshot_id`` gets the first answer.
@@ -84,7 +86,9 @@ class Locator:
         heading = prepared.heading
         task = LocateTask(request.photo, self._limits.photo, heading.site_id, heading.map_version, prepared.cameras)
         outcome = await self._pool.run(locate_photo, task, timeout_s=self._limits.timeout_s)
-        return _located_or_refused(await asyncio.to_thread(self._record, request, heading, outcome))
+        snapshot = await asyncio.to_thread(self._record, request, heading, outcome)
+        self._bell.ring(snapshot.trajectory_id)
+        return _located_or_refused(snapshot)
 
     def _prepare(self, request: LocateRequest) -> _Prepared | Snapshot:
         """The first answer to a repeat; else all that the work needs, so that a wrong request costs no worker."""

@@ -1,7 +1,7 @@
 """Trajectories as text, written part by part, so that a million poses never stand in memory.
 
-The parts are consecutive pieces of one trajectory. Positions are written to the micrometre, quaternions to 1e-9,
-times to the microsecond.
+The parts are consecutive pieces of one trajectory, none of them empty. Positions are written to the micrometre,
+quaternions to 1e-9, times to the microsecond.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ def geojson_text(
     yield head[:-1] + ', "features": ['
     separator = ""
     for part in parts:
-        for feature in _features(part, geodetic(part.positions_m)):
-            yield separator + json.dumps(feature)
-            separator = ",\n"
+        features = _features(part, geodetic(part.positions_m))
+        yield separator + ",\n".join(json.dumps(feature) for feature in features)
+        separator = ",\n"
     yield "]}\n"
 
 

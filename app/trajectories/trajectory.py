@@ -35,14 +35,11 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         count = len(self.times_s)
-        arrays = {"positions_m": (self.positions_m, (count, 3)), "orientations_xyzw": (self.orientations_xyzw, (count, 4))}
+        _check("times_s", self.times_s, (count,))
+        _check("positions_m", self.positions_m, (count, 3))
+        _check("orientations_xyzw", self.orientations_xyzw, (count, 4))
         if self.covariances is not None:
-            arrays["covariances"] = (self.covariances, (count, 6, 6))
-        for name, (array, shape) in {"times_s": (self.times_s, (count,)), **arrays}.items():
-            if array.shape != shape:
-                raise ValueError(f"{name} of {count} poses takes the shape {shape}, got {array.shape}")
-            if not np.isfinite(array).all():
-                raise ValueError(f"{name} takes finite numbers")
+            _check("covariances", self.covariances, (count, 6, 6))
         if (np.diff(self.times_s) < 0).any():
             raise ValueError("times_s must not decrease; sort the poses by time")
         if (np.abs(np.linalg.norm(self.orientations_xyzw, axis=1) - 1.0) > UNIT_TOLERANCE).any():
@@ -55,3 +52,10 @@ class Trajectory:
     def sigmas(self) -> Array | None:
         """Standard deviations of position (m) and small rotation (rad), shape (N, 6); None without covariances."""
         return None if self.covariances is None else np.sqrt(np.diagonal(self.covariances, axis1=1, axis2=2))
+
+
+def _check(name: str, array: Array, shape: tuple[int, ...]) -> None:
+    if array.shape != shape:
+        raise ValueError(f"{name} of {shape[0]} poses takes the shape {shape}, got {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} takes finite numbers")

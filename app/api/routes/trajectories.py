@@ -1,0 +1,95 @@
+"""Trajectories: opened and closed, found, read, watched."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, HTTPException, Query
+from fastapi.responses import StreamingResponse
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from app.api.dependencies import Paging, PathId, ReadSession, Running, WriteSession
+from app.api.problems import problems
+from app.api.schemas.trajectories import (
+    FailureAnswer,
+    NewTrajectoryBody,
+    SnapshotOfTrajectory,
+    TrajectoriesAnswer,
+    TrajectoryAnswer,
+    TrajectoryPageAnswer,
+    pose_answers,
+)
+from app.api.trajectory_queries import Part, Stream, Wanted
+from app.services.trajectories import open_trajectory, trajectory_page
+from app.services.trajectory_events import Arrivals, watch_trajectory
+from app.services.trajectory_export import trajectory_text
+from app.storage.trajectories import TrajectoryRepository
+from app.storage.trajectory_queries import TrajectoryQueries
+
+router = APIRouter(tags=["trajectories"])
+
+MEDIA_TYPES = {"csv": "text/csv", "tum": "text/plain", "geojson": "application/geo+json"}
+TEXT_FORMATS = {media_type: {"schema": {"type": "string"}} for media_type in MEDIA_TYPES.values()}
+Format = Literal["json", "csv", "tum", "geojson", "kitti", "euroc"]
+
+
+@router.post("/trajectories", status_code=201, responses=problems(400, 404, 413, 422))
+def create_trajectory(body: NewTrajectoryBody, session: WriteSession) -> TrajectoryAnswer:
+    """Open a trajectory; snapshots name it as trajectory_id."""
+    return TrajectoryAnswer.of(open_trajectory(session, body.site_id, body.device_id, body.name or ""))
+
+
+@router.post("/trajectories/{trajectory_id}/close", responses=problems(404, 422))
+def close_trajectory(trajectory_id: PathId, session: WriteSession) -> TrajectoryAnswer:
+    """Take no more snapshots; a closed trajectory stays as it is."""
+    return TrajectoryAnswer.of(TrajectoryRepository(session).close(trajectory_id))
+
+
+@router.get("/trajectories", responses=problems(422))
+def list_trajectories(wanted: Wanted, page: Paging, session: ReadSession) -> TrajectoriesAnswer:
+    """Trajectories in the order they were made.
+
+    With from, to, bbox or max_sigma_m those that hold a snapshot that fits them all; a failure fits a time only.
+    """
+    return TrajectoriesAnswer.of(TrajectoryQueries(session).page(wanted, page))
+
+
+@router.get(
+    "/trajectories/{trajectory_id}",
+    response_model=TrajectoryPageAnswer,
+    responses={200: {"content": TEXT_FORMATS}, **problems(404, 406, 409, 422)},
+)
+def get_trajectory(
+    wanted: Part,
+    session: ReadSession,
+    services: Running,
+    format: Annotated[Format, Query()] = "json",  # noqa: A002 - the query's name
+) -> Any:
+    """A trajectory: poses and failures page by page as json, or the whole range of poses as a file."""
+    if format == "json":
+        return TrajectoryPageAnswer.of_page(trajectory_page(session, wanted.trajectory_id, wanted.times, wanted.page))
+    if format == "kitti" or format == "euroc":
+        raise HTTPException(406, f"this release writes trajectories as json, csv, tum and geojson, not as {format}")
+    text = trajectory_text(services.database, wanted.trajectory_id, format, wanted.times)
+    return StreamingResponse(text, media_type=MEDIA_TYPES[format])
+
+
+@router.get("/trajectories/{trajectory_id}/events", response_class=EventSourceResponse, responses=problems(404, 422))
+async def watch_poses(wanted: Stream, services: Running) -> AsyncIterator[ServerSentEvent]:
+    """Poses and failures as they come, as events ``pose`` and ``failure``; ``closed`` is the last."""
+    async for arrivals in watch_trajectory(services.database, services.bell, wanted.trajectory_id, wanted.after):
+        for event in _events(arrivals):
+            yield event
+
+
+def _events(arrivals: Arrivals) -> list[ServerSentEvent]:
+    failures = [FailureAnswer.of(failure) for failure in arrivals.part.failures]
+    snapshots: list[SnapshotOfTrajectory] = [*pose_answers(arrivals.part), *failures]
+    events = [
+        ServerSentEvent(data=item, event="failure" if isinstance(item, FailureAnswer) else "pose", id=str(item.ordinal))
+        for item in sorted(snapshots, key=lambda snapshot: snapshot.ordinal)
+    ]
+    if arrivals.ended:
+        events.append(ServerSentEvent(data=TrajectoryAnswer.of(arrivals.trajectory), event="closed"))
+    return events

@@ -1,0 +1,32 @@
+"""Wakes those who watch a trajectory when this process adds to it, so that they need not ask often."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+class TrajectoryBell:
+    """One bell per trajectory, heard and rung on one event loop."""
+
+    def __init__(self) -> None:
+        self._heard_by: dict[str, set[asyncio.Event]] = {}
+
+    def ring(self, trajectory_id: str) -> None:
+        """Say that a trajectory has something new, after it was committed."""
+        for rung in self._heard_by.get(trajectory_id, ()):
+            rung.set()
+
+    @contextmanager
+    def heard(self, trajectory_id: str) -> Iterator[asyncio.Event]:
+        """An event that is set at each ring; whoever waits for it clears it before looking."""
+        rung = asyncio.Event()
+        listeners = self._heard_by.setdefault(trajectory_id, set())
+        listeners.add(rung)
+        try:
+            yield rung
+        finally:
+            listeners.discard(rung)
+            if not listeners:
+                self._heard_by.pop(trajectory_id, None)
