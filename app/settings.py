@@ -32,8 +32,8 @@ class Settings:
         Worker processes for snapshots and for builds; one per core each, as builds are rare.
     queue_depth : int
         Snapshots that may wait while all workers are busy; the next one is told to come back.
-    locate_timeout_s, detect_timeout_s, adjust_timeout_s : float
-        Time limits of one snapshot, one survey photograph and one adjustment.
+    locate_timeout_s, detect_timeout_s, adjust_timeout_s, report_timeout_s : float
+        Time limits of one snapshot, one survey photograph, one adjustment and one report.
     max_photo_bytes, max_photo_pixels : int
         Largest photograph.
     max_upload_bytes : int
@@ -50,6 +50,7 @@ class Settings:
     locate_timeout_s: float = 10.0
     detect_timeout_s: float = 60.0
     adjust_timeout_s: float = 3600.0
+    report_timeout_s: float = 120.0
     max_photo_bytes: int = 64 * MEBIBYTE
     max_photo_pixels: int = 64_000_000
     max_upload_bytes: int = 1024 * MEBIBYTE

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, add_reading, add_workers, photo_files, positive
 from app.cli.progress import progress
+from app.cli.report_file import report_path, write_report_file
 from app.cli.survey_summary import summary_lines
 from app.errors import InvalidInput
 
@@ -26,7 +27,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("photos", type=Path, nargs="+", help="photographs, or folders of them")
     parser.add_argument("--control", type=Path, metavar="CSV", help="control and check points; none: a free map")
     parser.add_argument("--out", type=Path, required=True, metavar="MAP.json", help="where the map goes")
-    parser.add_argument("--report", type=Path, metavar="REPORT.json", help="where the adjustment report goes")
+    parser.add_argument("--report", type=report_path, metavar="FILE", help="the report to sign: .html, .pdf or .json")
+    parser.add_argument("--site", metavar="NAME", help="the site's name in the report (the map file's)")
     parser.add_argument("--u-mm", type=positive, default=14.0, help="printed module of the plates in mm (14)")
     add_reading(parser)
     add_workers(parser)
@@ -50,9 +52,9 @@ def run(arguments: argparse.Namespace) -> int:
         survey = adjust_survey(photos, control, plate, progress=report)
     cameras = tuple(MapCamera(camera.identity, camera.calibrated) for camera in survey.cameras)
     write_map(arguments.out, MapFile(survey.target_map, cameras))
-    record = survey.report.to_json()
     if arguments.report is not None:
-        arguments.report.write_text(json.dumps(record, indent=1))
+        write_report_file(arguments.report, survey, arguments.out, arguments.site or arguments.out.stem)
+    record = survey.report.to_json()
     if arguments.json:
         print(json.dumps({"map": str(arguments.out), "report": record}))
     else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 from sqlalchemy.orm import Session
 
@@ -15,6 +15,7 @@ from app.services.build_options import BuildOptions
 from app.services.detect_work import DetectSettings
 from app.services.extend_map import anchored_points, anchors_of, extend_map
 from app.services.job_progress import JobProgress
+from app.services.photo_results import photo_results
 from app.services.workbench import workbench
 from app.storage.database import Database
 from app.storage.jobs import Job, JobRepository
@@ -107,28 +108,14 @@ def _publication(material: _Material, result: SurveyResult, unreadable: tuple[Un
     device_id = material.survey.device_id
     origin = Origin(material.survey.survey_id, material.job.job_id, material.options.base_version)
     cameras = tuple(NewCamera(camera.identity, camera.calibrated, device_id) for camera in result.cameras)
-    photos, report = _photo_results(result, unreadable), result.report.to_json()
+    left_out = (PhotoResult(name=photo.name, reason=photo.reason) for photo in unreadable)
+    photos = (*photo_results(result), *left_out)
+    report = {**result.report.to_json(), "excluded": asdict(material.options.exclude)}
     if material.base is None:
         return Publication(result.target_map, origin, cameras, photos, report)
     extension = extend_map(material.base, result.target_map, material.options.exclude.codes)
     told = {"base_version": origin.base_version, "added": list(extension.added), "moved": list(extension.moved)}
     return Publication(extension.target_map, origin, cameras, photos, {**report, "extension": told})
-
-
-def _photo_results(result: SurveyResult, unreadable: tuple[Unreadable, ...]) -> tuple[PhotoResult, ...]:
-    adjusted = [
-        PhotoResult(
-            name=photo.name,
-            camera_key=photo.camera_key,
-            site_from_cam=photo.site_from_cam,
-            covariance=photo.covariance,
-            rms_px=photo.rms_px,
-            target_count=photo.target_count,
-        )
-        for photo in result.photos
-    ]
-    unoriented = [PhotoResult(name=name, reason=reason) for name, reason in result.unoriented]
-    return (*adjusted, *unoriented, *(PhotoResult(name=photo.name, reason=photo.reason) for photo in unreadable))
 
 
 def _publish(database: Database, material: _Material, publication: Publication) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.services import adjust_work, locate_work  # noqa: F401 - their imports are the larger part of a first request
+from app.services import adjust_work, locate_work, report_work  # noqa: F401 - their imports are the larger part of a first request
 from app.services.workbench import open_workbench
 from app.targets.drawing import plate_rgb
 from app.targets.family import family_by_name

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, HTTPException, Query, Response
+from fastapi import APIRouter, Header, Query, Response
 
-from app.api.dependencies import Id, Paging, PathId, PathVersion, ReadSession, Text, Version, WriteSession
+from app.api.dependencies import Id, Paging, PathId, PathVersion, ReadSession, Running, Text, Version, WriteSession
 from app.api.problems import problems
+from app.api.report_answer import MEDIA_TYPES, preferred_format, report_response
 from app.api.schemas.maps import CamerasAnswer, MapAnswer, MapsAnswer, TargetsAnswer
 from app.services import maps
+from app.services.report_work import ReportFormat, ReportTask
 from app.storage.cameras import CameraRepository
 from app.storage.target_maps import TargetMapRepository
 
@@ -42,17 +44,22 @@ def get_targets(
     return Response(write(published), media_type=media_type)
 
 
-@router.get("/sites/{site_id}/report", responses=problems(404, 406, 409, 422))
-def get_report(
+@router.get(
+    "/sites/{site_id}/report",
+    response_class=Response,
+    responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **problems(404, 409, 422, 503, 504)},
+)
+async def get_report(
     site_id: PathId,
-    session: ReadSession,
-    format: Annotated[Literal["html", "json", "pdf"], Query()] = "json",  # noqa: A002 - the query's name
+    services: Running,
+    format: Annotated[ReportFormat | None, Query()] = None,  # noqa: A002 - the query's name
     version: Version | None = None,
-) -> dict[str, Any]:
-    """The adjustment report of a version."""
-    if format != "json":
-        raise HTTPException(406, f"this release writes the report as json only, not as {format}; ask for format=json")
-    return maps.adjustment_report(session, site_id, version)
+    accept: Annotated[str, Header(include_in_schema=False)] = "",
+) -> Response:
+    """The adjustment report of a version: what a surveyor signs; without ``format`` browsers get html, others json."""
+    wanted = format or preferred_format(accept)
+    report = await services.reports.write(ReportTask(site_id, version, wanted))
+    return report_response(site_id, report, wanted)
 
 
 @router.get("/sites/{site_id}/maps", responses=problems(404, 422))

@@ -1,0 +1,1 @@
+"""The survey's report, what a surveyor signs: material -> document with figures -> HTML or PDF."""
