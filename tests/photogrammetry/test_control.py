@@ -16,7 +16,7 @@ from app.photogrammetry.control import StandingTargets, check_control
 from app.photogrammetry.growth import GrowthOptions
 from app.photogrammetry.initial_network import grow_networks
 from app.photogrammetry.quality import QualityOptions, standing_targets
-from app.photogrammetry.site_network import SiteOptions, refer_to_site
+from app.photogrammetry.site_network import SiteNetwork, SiteOptions, refer_to_site
 from app.photogrammetry.survey import SurveyResult, adjust_survey
 from app.photogrammetry.survey_input import read_survey
 from tests.photogrammetry.survey_scene import (
@@ -51,11 +51,15 @@ def clean() -> tuple[CleanNetwork, StandingTargets]:
 
 
 def refused(points: Sequence[ControlPoint]) -> InvalidControlPoints:
-    network, standing = clean()
     with pytest.raises(InvalidControlPoints) as caught:
-        check_control(points)
-        refer_to_site(network, points, standing, SiteOptions(), lambda: None)
+        referred(points)
     return caught.value
+
+
+def referred(points: Sequence[ControlPoint]) -> SiteNetwork:
+    check_control(points)
+    network, standing = clean()
+    return refer_to_site(network, points, standing, SiteOptions(), lambda: None)
 
 
 def shifted(point: ControlPoint, by_m: Sequence[float]) -> ControlPoint:
