@@ -10,6 +10,7 @@ down_revision = "0001"
 branch_labels = None
 depends_on = None
 
+BY_TIME = ["trajectory_id", "captured_s", "ordinal", "x_m", "y_m", "z_m", "sigma_m"]
 ARRIVALS = "row_number() OVER (PARTITION BY trajectory_id ORDER BY id)"  # ids sort by the time they were made
 TOTALS = """
 UPDATE trajectories SET
@@ -17,7 +18,9 @@ UPDATE trajectories SET
     first_s = (SELECT min(captured_s) FROM snapshots WHERE snapshots.trajectory_id = trajectories.id),
     last_s = (SELECT max(captured_s) FROM snapshots WHERE snapshots.trajectory_id = trajectories.id)
 """
-REASONS = "SELECT trajectory_id, reason, count(*) FROM snapshots WHERE reason IS NOT NULL GROUP BY trajectory_id, reason"
+REASONS = (
+    "SELECT trajectory_id, reason, count(*) FROM snapshots WHERE reason IS NOT NULL GROUP BY trajectory_id, reason"
+)
 
 trajectories = sa.table("trajectories", sa.column("id", sa.String()), sa.column("failures", sa.JSON()))
 
@@ -38,9 +41,7 @@ def upgrade() -> None:
     with op.batch_alter_table("snapshots") as batch_op:
         batch_op.alter_column("ordinal", existing_type=sa.Integer(), nullable=False)
         batch_op.drop_index(batch_op.f("ix_snapshots_trajectory_id_captured_s"))
-        batch_op.create_index(
-            batch_op.f("ix_snapshots_trajectory_id_captured_s_ordinal"), ["trajectory_id", "captured_s", "ordinal"]
-        )
+        batch_op.create_index("ix_snapshots_by_time", BY_TIME)
         batch_op.create_unique_constraint(
             batch_op.f("uq_snapshots_trajectory_id_ordinal"), ["trajectory_id", "ordinal"]
         )
@@ -62,7 +63,7 @@ def downgrade() -> None:
     """Back."""
     with op.batch_alter_table("snapshots") as batch_op:
         batch_op.drop_constraint(batch_op.f("uq_snapshots_trajectory_id_ordinal"), type_="unique")
-        batch_op.drop_index(batch_op.f("ix_snapshots_trajectory_id_captured_s_ordinal"))
+        batch_op.drop_index("ix_snapshots_by_time")
         batch_op.create_index(batch_op.f("ix_snapshots_trajectory_id_captured_s"), ["trajectory_id", "captured_s"])
         batch_op.drop_column("ordinal")
     with op.batch_alter_table("trajectories") as batch_op:
