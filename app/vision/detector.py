@@ -20,6 +20,7 @@ from app.vision.centres import (
     locate_dots,
     refine_homographies,
 )
+from app.vision.covering import CoveringOptions, covered_base_dots
 from app.vision.dots import Blobs, DotOptions, find_red_blobs
 from app.vision.grouping import GroupingOptions, group_base_dots
 from app.vision.hidden_dots import HiddenDotOptions, complete_groups
@@ -33,7 +34,7 @@ from app.vision.judgement import (
     missing_in_plain_view,
     one_dot_one_target,
 )
-from app.vision.measurement import PlateFits, SizedPatches, cell_residuals, fit_patches
+from app.vision.measurement import PlateFits, SizedPatches, fit_patches
 from app.vision.patches import Pyramid, take_patches
 from app.vision.proposals import ProposalOptions, promising
 from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates
@@ -54,6 +55,8 @@ class DetectorOptions:
     ----------
     strictness : str
         How much the code family may mend: ``strict`` nothing, ``normal`` one digit, ``eager`` two.
+    least_focal_share : float
+        Least focal length over the picture's longer side: ultra-wide lenses of phones (13 mm) have 0.36.
     blur_px : float
         Blur (standard deviation) assumed at first sight.
     blurs_px : tuple of float
@@ -63,6 +66,7 @@ class DetectorOptions:
     """
 
     strictness: Strictness = "normal"
+    least_focal_share: float = 0.35
     blur_px: float = 0.7
     blurs_px: tuple[float, ...] = (0.5, 0.9, 1.7)
     blur_plates: int = 5
@@ -73,6 +77,7 @@ class DetectorOptions:
     centres: CentreOptions = field(default_factory=CentreOptions)
     inks: InkOptions = field(default_factory=InkOptions)
     judgement: JudgementOptions = field(default_factory=JudgementOptions)
+    covering: CoveringOptions = field(default_factory=CoveringOptions)
     reading: ReadingOptions = field(default_factory=ReadingOptions)
 
 
@@ -101,7 +106,8 @@ def detect(
     """
     height_px, width_px = bgr.shape[:2]
     blobs = find_red_blobs(bgr, options.dots)
-    groups = promising(bgr, blobs, group_base_dots(blobs, options.grouping), options.proposals)
+    least_focal_px = options.least_focal_share * max(height_px, width_px)
+    groups = promising(bgr, blobs, group_base_dots(blobs, least_focal_px, options.grouping), options.proposals)
     free = np.setdiff1d(np.arange(len(blobs)), groups)
     blobs, completed = complete_groups(blobs, free, options.hidden_dots)
     groups = np.concatenate([groups, promising(bgr, blobs, completed, options.proposals)])
@@ -131,9 +137,9 @@ def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: D
     suspects = np.flatnonzero(judgement.stands & lacks_red(fits, options.judgement).any(axis=1))
     if len(suspects):
         # A hidden base dot is forgiven, a missing one is not.
-        residuals = cell_residuals(pyramid, fits.image_from_plate[suspects], blur_px)
-        few, few_dots = fits.select(suspects), dots.select(suspects)
-        missing = suspects[missing_in_plain_view(few, few_dots, residuals, options.judgement)]
+        few = fits.select(suspects)
+        covered = covered_base_dots(bgr, few, refined[suspects], options.covering)
+        missing = suspects[missing_in_plain_view(few, dots.select(suspects), covered, options.judgement)]
         judgement = judgement.refuse(missing, "base-dot-missing")
     covariances_px2 = calibrated_covariances(dots, refined, judgement.stands, options.centres)
     return MeasuredPlates(fits, dots, covariances_px2, inks, judgement)

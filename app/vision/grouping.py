@@ -41,45 +41,55 @@ class GroupingOptions:
     diagonal_pitch_axes : tuple of float
         |EA| over the major semi-axis of E: 4.24 frontal, foreshortened to 1.1 at 75 degrees; above, for outlines that
         glare made small.
-    stretch : tuple of float
-        |EC| over |EA|: 2 without perspective.
+    depth_slope : float
+        How much depth may change over a plate, per length in the picture over focal length: tan of 75 degrees. Small
+        plates are seen almost without perspective, and that leaves few chance groups.
+    noise_px : float
+        Error of a distance between two blobs, px.
     lateral_max, lateral_px : float
         How far C may lie off the line A-E, as part of |EC| and in px of noise.
     facing_max, facing_px : float
         How far B and D may be from facing each other through f (sine of the angle), and in px of noise.
     reach : tuple of float
         |fB| and |fD| over |fA|: 1 frontal; foreshortening takes one diagonal down.
-    balance_max : float
-        Greatest ratio of |fB| and |fD|: perspective within a plate.
     """
 
     neighbours: int = 12
     nearest_a: int = 6
     area_ratio_max: float = 3.5
     diagonal_pitch_axes: tuple[float, float] = (1.0, 10.0)
-    stretch: tuple[float, float] = (1.1, 3.6)
+    depth_slope: float = 3.7
+    noise_px: float = 1.5
     lateral_max: float = 0.12
     lateral_px: float = 1.2
     facing_max: float = 0.1
     facing_px: float = 1.5
     reach: tuple[float, float] = (0.25, 4.0)
-    balance_max: float = 2.0
 
 
 @dataclass(frozen=True)
 class _Triples:
-    """E, A, C in line, with the predicted crossing of the diagonals."""
+    """E, A, C in line, with the predicted crossing of the diagonals and how much depth may change along A-C."""
 
     e: Indices
     a: Indices
     c: Indices
     crossing_px: Array
+    depth_ratio: Array
 
 
-def group_base_dots(blobs: Blobs, options: GroupingOptions = GroupingOptions()) -> Indices:
-    """Candidates A, B, C, D, E as blob indices, shape (G, 5); a blob may stand in several."""
+def group_base_dots(blobs: Blobs, least_focal_px: float, options: GroupingOptions = GroupingOptions()) -> Indices:
+    """Candidates A, B, C, D, E as blob indices, shape (G, 5); a blob may stand in several.
+
+    Parameters
+    ----------
+    blobs : Blobs
+    least_focal_px : float
+        Least focal length that the camera can have: it bounds the perspective on a plate.
+    options : GroupingOptions
+    """
     nearest, alike = neighbours_of_like_size(blobs, options)
-    triples = _diagonals(blobs, nearest, alike, options)
+    triples = _diagonals(blobs, nearest, alike, (least_focal_px, options))
     return _with_other_diagonal(blobs, nearest, alike, triples, options)
 
 
@@ -108,27 +118,34 @@ def neighbours_of_like_size(blobs: Blobs, options: GroupingOptions) -> tuple[Ind
     return nearest, alike
 
 
-def _diagonals(blobs: Blobs, nearest: Indices, alike: npt.NDArray[np.bool_], options: GroupingOptions) -> _Triples:
-    """All (E, A, C) in which C lies beyond E on the line from A."""
+def _diagonals(
+    blobs: Blobs, nearest: Indices, alike: npt.NDArray[np.bool_], bounds: tuple[float, GroupingOptions]
+) -> _Triples:
+    """All (E, A, C) in which C lies beyond E on the line from A, about twice as far."""
+    least_focal_px, options = bounds
     from_e_px = blobs.centres_px[nearest] - blobs.centres_px[:, None]
     distance_px = np.hypot(from_e_px[..., 0], from_e_px[..., 1])
     axes = distance_px / blobs.semi_axes_px[:, :1]
     least, most = options.diagonal_pitch_axes
     near = np.arange(nearest.shape[1]) < options.nearest_a
     e, slot_a = np.nonzero(alike & near & (axes > least) & (axes < most))
-    to_a_px, length_px = from_e_px[e, slot_a], distance_px[e, slot_a]
-    along = np.einsum("mkc,mc->mk", from_e_px[e], to_a_px) / length_px[:, None] ** 2
-    across = cross(to_a_px[:, None], from_e_px[e]) / length_px[:, None] ** 2
-    lateral = options.lateral_max * np.abs(along) + options.lateral_px / length_px[:, None]
-    in_line = (along < -options.stretch[0]) & (along > -options.stretch[1]) & (np.abs(across) < lateral)
-    row, slot_c = np.nonzero(alike[e] & in_line)
+    to_a_px, length_px = from_e_px[e, slot_a], distance_px[e, slot_a][:, None]
+    along = -np.einsum("mkc,mc->mk", from_e_px[e], to_a_px) / length_px**2
+    across = np.abs(cross(to_a_px[:, None], from_e_px[e])) / length_px**2
+    # Perspective stretches the far or the near part of a diagonal by no more than the depth changes along it.
+    depth_ratio = 1.0 + options.depth_slope * (1.0 + along) * length_px / least_focal_px
+    noise = options.noise_px * (1.0 + POSITION_C) / length_px
+    stretched = (along > POSITION_C / depth_ratio - noise) & (along < POSITION_C * depth_ratio + noise) & (along > 0)
+    in_line = across < options.lateral_max * along + options.lateral_px / length_px
+    row, slot_c = np.nonzero(alike[e] & stretched & in_line)
     a, c = nearest[e[row], slot_a[row]], nearest[e[row], slot_c]
     # x -> alpha x / (1 + beta x) takes -1, 0, 2 to -1, 0, s with s = |EC| / |EA|.
-    s = -along[row, slot_c]
+    s = along[row, slot_c]
     beta = (POSITION_C - s) / (POSITION_C * (1.0 + s))
     position_f = (1.0 - beta) * POSITION_F / (1.0 + beta * POSITION_F)
     a_px, c_px = blobs.centres_px[a], blobs.centres_px[c]
-    return _Triples(e[row], a, c, a_px + (c_px - a_px) * ((position_f + 1.0) / (s + 1.0))[:, None])
+    crossing_px = a_px + (c_px - a_px) * ((position_f + 1.0) / (s + 1.0))[:, None]
+    return _Triples(e[row], a, c, crossing_px, depth_ratio[row, slot_c])
 
 
 def _with_other_diagonal(
@@ -153,7 +170,7 @@ def _with_other_diagonal(
     sine = cross(fb_px, fd_px) / (reach_b * reach_d)
     facing = options.facing_max + options.facing_px / np.minimum(reach_b, reach_d)
     opposite = np.einsum("mc,mc->m", fb_px, fd_px) < 0
-    balanced = np.maximum(reach_b, reach_d) < options.balance_max * np.minimum(reach_b, reach_d)
+    balanced = np.maximum(reach_b, reach_d) < triples.depth_ratio[row] * np.minimum(reach_b, reach_d) + options.noise_px
     keep = opposite & balanced & (np.abs(sine) < facing)
     row, b, d = row[keep], b[keep], d[keep]
     e = triples.e[row]

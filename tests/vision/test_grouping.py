@@ -6,7 +6,9 @@ from app.vision.dots import Blobs
 from app.vision.grouping import group_base_dots
 from app.vision.homography import PLATE_DOTS_U, apply_homographies, cross, homography_jacobians
 from app.vision.proposals import BASE_U
-from tests.vision.views import image_from_plate, views
+from tests.vision.views import FOCAL_PX, image_from_plate, views
+
+LEAST_FOCAL_PX = 0.5 * FOCAL_PX
 
 
 def blobs_of_base_dots(homographies: np.ndarray) -> Blobs:
@@ -31,7 +33,7 @@ def mirrored(blobs: Blobs) -> Blobs:
 @settings(max_examples=300)
 @given(homography=views, order=st.permutations(range(5)))
 def test_the_base_dots_of_any_view_are_grouped_in_their_roles(homography: np.ndarray, order: list[int]) -> None:
-    groups = group_base_dots(shuffled(blobs_of_base_dots(homography[None]), order))
+    groups = group_base_dots(shuffled(blobs_of_base_dots(homography[None]), order), LEAST_FOCAL_PX)
     assert in_given_order(groups, order) == [[0, 1, 2, 3, 4]]
 
 
@@ -41,7 +43,7 @@ def test_a_tenth_of_a_dot_of_noise_does_not_part_them(homography: np.ndarray, or
     ideal = blobs_of_base_dots(homography[None])
     noise_px = 0.1 * ideal.semi_axes_px[:, 1:] * np.random.default_rng(seed).uniform(-1.0, 1.0, (5, 2))
     noisy = Blobs(ideal.centres_px + noise_px, ideal.semi_axes_px)
-    assert [0, 1, 2, 3, 4] in in_given_order(group_base_dots(shuffled(noisy, order)), order)
+    assert [0, 1, 2, 3, 4] in in_given_order(group_base_dots(shuffled(noisy, order), LEAST_FOCAL_PX), order)
 
 
 @settings(max_examples=150)
@@ -49,13 +51,13 @@ def test_a_tenth_of_a_dot_of_noise_does_not_part_them(homography: np.ndarray, or
 def test_a_mirrored_plate_never_has_its_roles(homography: np.ndarray, order: list[int]) -> None:
     """Its base dots are those of a plate with B and D exchanged: what tells it apart is its code alone."""
     blobs = mirrored(blobs_of_base_dots(homography[None]))
-    groups = in_given_order(group_base_dots(shuffled(blobs, order)), order)
+    groups = in_given_order(group_base_dots(shuffled(blobs, order), LEAST_FOCAL_PX), order)
     assert groups == [[0, 3, 2, 1, 4]]
 
 
 def test_among_many_blobs_at_random_b_stands_clockwise_of_a() -> None:
     centres_px = np.random.default_rng(3).uniform(0.0, 900.0, (300, 2))
-    groups = group_base_dots(Blobs(centres_px, np.full((300, 2), 8.0)))
+    groups = group_base_dots(Blobs(centres_px, np.full((300, 2), 8.0)), LEAST_FOCAL_PX)
     assert len(groups) > 20
     a, b, c, d, e = np.moveaxis(centres_px[groups], 1, 0)
     assert (cross(c - a, b - d) < 0).all()
@@ -69,7 +71,7 @@ def test_plates_side_by_side_are_each_found() -> None:
         np.array([[1, 0, 15.0 * column], [0, 1, 15.0 * row], [0, 0, 1]]) for row in range(3) for column in range(3)
     ]
     homographies = np.stack([frontal @ shift for shift in shifts])
-    groups = group_base_dots(blobs_of_base_dots(homographies)).tolist()
+    groups = group_base_dots(blobs_of_base_dots(homographies), LEAST_FOCAL_PX).tolist()
     for plate in range(len(shifts)):
         assert [5 * plate + role for role in range(5)] in groups
 
@@ -80,7 +82,7 @@ def test_specks_among_the_dots_do_not_hide_a_plate() -> None:
     low, high = plate.centres_px.min(axis=0), plate.centres_px.max(axis=0)
     specks = Blobs(rng.uniform(low, high, (200, 2)), np.full((200, 2), 0.2 * plate.semi_axes_px.min()))
     both = Blobs(np.vstack([plate.centres_px, specks.centres_px]), np.vstack([plate.semi_axes_px, specks.semi_axes_px]))
-    assert [0, 1, 2, 3, 4] in group_base_dots(both).tolist()
+    assert [0, 1, 2, 3, 4] in group_base_dots(both, LEAST_FOCAL_PX).tolist()
 
 
 @settings(max_examples=50)
@@ -89,7 +91,7 @@ def test_dots_of_unlike_size_are_not_of_one_plate(homography: np.ndarray) -> Non
     blobs = blobs_of_base_dots(homography[None])
     swollen = blobs.semi_axes_px.copy()
     swollen[1] *= 3.0  # nine times the area; perspective gives 1.5
-    assert not len(group_base_dots(Blobs(blobs.centres_px, swollen)))
+    assert not len(group_base_dots(Blobs(blobs.centres_px, swollen), LEAST_FOCAL_PX))
 
 
 @settings(max_examples=50)
@@ -100,11 +102,14 @@ def test_five_dots_with_e_elsewhere_are_not_a_target(homography: np.ndarray) -> 
         base_u = np.vstack([BASE_U[:4], PLATE_DOTS_U[cell]])
         centres_px = apply_homographies(homography[None], base_u)[0]
         axes_px = np.linalg.svd(homography_jacobians(homography[None], base_u)[0], compute_uv=False)
-        for group in group_base_dots(Blobs(centres_px, axes_px)).tolist():
+        for group in group_base_dots(Blobs(centres_px, axes_px), LEAST_FOCAL_PX).tolist():
             assert group[4] != 4
 
 
 def test_few_blobs_make_no_group() -> None:
     for count in range(5):
         blobs = blobs_of_base_dots(image_from_plate(0.3, 0.0, 0.0, 100.0)[None])
-        assert group_base_dots(Blobs(blobs.centres_px[:count], blobs.semi_axes_px[:count])).shape == (0, 5)
+        assert group_base_dots(Blobs(blobs.centres_px[:count], blobs.semi_axes_px[:count]), LEAST_FOCAL_PX).shape == (
+            0,
+            5,
+        )
