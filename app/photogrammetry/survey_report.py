@@ -65,7 +65,7 @@ def write_report(
         targets=_targets(outcome),
         left_out=tuple(left_out),
         false_sightings=_false_sightings(outcome),
-        warnings=(*site.warnings, *_warnings(outcome, unoriented)),
+        warnings=(*site.warnings, *_warnings(outcome)),
         image_residuals=_image_residuals(outcome, cameras),
     )
 
@@ -170,8 +170,8 @@ def _false_sightings(outcome: SurveyOutcome) -> tuple[FalseSightingRecord, ...]:
     )
 
 
-def _warnings(outcome: SurveyOutcome, unoriented: Sequence[Unoriented]) -> tuple[str, ...]:
-    """What the surveyor should look at."""
+def _warnings(outcome: SurveyOutcome) -> tuple[str, ...]:
+    """What the surveyor should look at beside what the report lists as left out."""
     warnings = []
     carrying = outcome.codes[outcome.standing.carrying]
     unseen = [point.name for point in outcome.points if point.code not in carrying]
@@ -179,8 +179,6 @@ def _warnings(outcome: SurveyOutcome, unoriented: Sequence[Unoriented]) -> tuple
         warnings.append(
             f"Control or check points {', '.join(unseen)} are on targets that fewer than two photographs show."
         )
-    if unoriented:
-        warnings.append(f"{len(unoriented)} photographs have no pose; their reasons are listed.")
     if not outcome.site.adjusted.converged:
         warnings.append("The adjustment ran out of steps before it converged: look for contradictions and build again.")
     return tuple(warnings)
