@@ -9,7 +9,7 @@ from app.services.survey_report.sections.cameras import cameras
 from app.services.survey_report.sections.findings import findings
 from app.services.survey_report.sections.photographs import photographs
 from app.services.survey_report.sections.points import points
-from app.services.survey_report.sections.signature import signature
+from app.services.survey_report.sections.signature import conventions, signature
 from app.services.survey_report.sections.summary import summary
 from app.services.survey_report.sections.targets import targets
 
@@ -27,6 +27,7 @@ def compose(material: ReportMaterial) -> Document:
         *cameras(material),
         photographs(material),
         targets(material),
+        conventions(),
         signature(material),
     )
     return Document(

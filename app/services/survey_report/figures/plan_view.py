@@ -54,6 +54,8 @@ ROOM_SHARE = 0.06  # free space around what is drawn, as a share of the larger s
 FRAME = Pen("muted", 0.6)
 LABEL_SIZE = 6.0
 GRID_COUNT = 5
+LONGEST_NAME = 24
+NAMED_LEFT_FROM = 0.75  # share of the frame's width beyond which names stand to the left
 BAR_POINTS = 90.0
 BARS_BELOW, LEGEND_BELOW = 26.0, 56.0
 
@@ -165,8 +167,14 @@ class _Plan:
         ink: Ink = "control" if point.role == "control" else "check"
         place = self.axes.place(point.position_m[:2])
         residual = self.enlargement * point.residual_m[:2] * self.axes.points_per_unit * np.array([1.0, -1.0])
-        name = Label(place + np.array([SYMBOL + 1.5, -SYMBOL]), point.name, ink, LABEL_SIZE + 0.5)
-        return [*symbol(place, ink), *arrow(place, residual, Pen("error", 0.9)), name]
+        return [*symbol(place, ink), *arrow(place, residual, Pen("error", 0.9)), self._name(point.name, place, ink)]
+
+    def _name(self, name: str, place: Array, ink: Ink) -> Label:
+        """Beside a point, on the side that has room."""
+        text = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+        left = place[0] > self.axes.corner[0] + NAMED_LEFT_FROM * self.axes.size[0]
+        beside = np.array([-SYMBOL - 1.5 if left else SYMBOL + 1.5, -SYMBOL])
+        return Label(place + beside, text, ink, LABEL_SIZE + 0.5, "end" if left else "start")
 
     def _ellipse(self, place_m: Array, covariance_m2: Array, ink: Ink) -> Ellipse:
         values, axes = np.linalg.eigh(covariance_m2)

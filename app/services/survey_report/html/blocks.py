@@ -61,7 +61,7 @@ def _key_figure(figure: KeyFigure) -> str:
 def _findings(block: Findings) -> str:
     items = []
     for finding in block.findings:
-        kind, word = ("grave", "Warning") if finding.grave else ("note", "Note")
+        kind, word = ("grave", "Warning") if finding.grave else ("plain", "Note")
         items.append(
             f'<li class="{kind}"><strong>{word}: {shown(finding.title)}</strong><p>{shown(finding.text)}</p></li>'
         )

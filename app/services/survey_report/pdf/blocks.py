@@ -77,7 +77,7 @@ def _key_figures(block: KeyFigures, width: float) -> PdfTable:
 
 def _card(figure: KeyFigure) -> list[Flowable]:
     lines: list[Flowable] = [
-        PdfParagraph(markup(figure.value, BOLD), look.FIGURE_VALUE),
+        PdfParagraph(markup(figure.value), look.FIGURE_VALUE),
         PdfParagraph(markup(figure.label), look.FIGURE_LABEL),
     ]
     if figure.detail:
@@ -89,7 +89,7 @@ def _finding(finding: Finding, width: float) -> PdfTable:
     word, ink, sheet = (
         ("Warning", look.GRAVE, look.GRAVE_SHEET) if finding.grave else ("Note", look.INKS["muted"], look.SHEET)
     )
-    title = f'<font name="{BOLD}">{word}: {markup(finding.title, BOLD)}.</font> {markup(finding.text)}'
+    title = f'<font name="{BOLD}">{word}: {markup(finding.title)}.</font> {markup(finding.text)}'
     style = TableStyle(
         [
             ("BACKGROUND", (0, 0), (-1, -1), sheet),
@@ -110,7 +110,7 @@ def _signatures(block: Signatures, width: float) -> PdfTable:
 
 
 def _role(role: str, width: float) -> PdfTable:
-    title = PdfParagraph(markup(role, BOLD), look.CAPTION)
+    title = PdfParagraph(markup(role), look.CAPTION)
     lines = [[PdfParagraph(markup(name), look.LABEL), ""] for name in SIGNED_LINES]
     style = TableStyle(
         [

@@ -6,7 +6,7 @@ from reportlab.pdfgen.canvas import Canvas
 from reportlab.platypus import Flowable
 
 from app.services.survey_report.drawing import Drawing, Ellipse, Label, Path, Pen, Shape
-from app.services.survey_report.pdf.fonts import REGULAR, draw_line, width_of
+from app.services.survey_report.pdf.fonts import REGULAR, width_of, written
 from app.services.survey_report.pdf.look import INKS
 
 ROUND_JOIN = 1
@@ -71,4 +71,5 @@ def _write(canvas: Canvas, label: Label, height: float) -> None:
     canvas.setFillColor(INKS[label.ink])
     before = SHARE_BEFORE[label.anchor] * width_of(label.text, REGULAR, label.size)
     x, y = float(label.at[0]) - before, height - float(label.at[1])
-    draw_line(canvas, (x, y), label.text, REGULAR, label.size)
+    canvas.setFont(REGULAR, label.size)
+    canvas.drawString(x, y, written(label.text))

@@ -21,7 +21,7 @@ from reportlab.platypus import (
 
 from app.services.survey_report.document import Document, Figure, Section
 from app.services.survey_report.pdf.blocks import flowables_of
-from app.services.survey_report.pdf.fonts import BOLD, REGULAR, draw_line, markup, register_fonts, width_of
+from app.services.survey_report.pdf.fonts import REGULAR, markup, width_of, written
 from app.services.survey_report.pdf.look import HEADING, INKS, KICKER, TITLE
 from app.services.survey_report.text import readable
 
@@ -60,11 +60,12 @@ class _Sheet:
         width, height = self.size
         canvas.saveState()
         canvas.setFillColor(INKS["muted"])
+        canvas.setFont(REGULAR, FOOT_SIZE)
         if file.page > 1:
-            draw_line(canvas, (MARGIN, height - HEAD), _cut(file.document, self.width), REGULAR, FOOT_SIZE)
-        draw_line(canvas, (MARGIN, FOOT), file.document.producer, REGULAR, FOOT_SIZE)
-        number, right = f"page {file.page}", width - MARGIN - TOTAL_BOX[0]
-        draw_line(canvas, (right - GAP - width_of(number, REGULAR, FOOT_SIZE), FOOT), number, REGULAR, FOOT_SIZE)
+            canvas.drawString(MARGIN, height - HEAD, _cut(file.document, self.width))
+        canvas.drawString(MARGIN, FOOT, written(file.document.producer))
+        right = width - MARGIN - TOTAL_BOX[0]
+        canvas.drawRightString(right - GAP, FOOT, f"page {file.page}")
         canvas.translate(right, FOOT)
         canvas.doForm(TOTAL)
         canvas.restoreState()
@@ -77,7 +78,7 @@ class _Title(Paragraph):
     """A section's title, which is also its place in the outline."""
 
     def __init__(self, text: str, key: str) -> None:
-        super().__init__(markup(text, BOLD), HEADING)
+        super().__init__(markup(text), HEADING)
         self._entry = readable(text), key
 
     def draw(self) -> None:
@@ -101,7 +102,8 @@ class _PageCount(Flowable):
         total = f"of {canvas.getPageNumber()}"
         canvas.beginForm(TOTAL, 0, -TOTAL_BOX[1], *TOTAL_BOX)
         canvas.setFillColor(INKS["muted"])
-        draw_line(canvas, (0.0, 0.0), total, REGULAR, FOOT_SIZE)
+        canvas.setFont(REGULAR, FOOT_SIZE)
+        canvas.drawString(0, 0, total)
         canvas.endForm()
 
 
@@ -123,11 +125,10 @@ class _File(BaseDocTemplate):
 
 def pdf_of(document: Document) -> bytes:
     """The document as a PDF file."""
-    register_fonts()
     out = io.BytesIO()
     story: list[Flowable] = [
         Paragraph(markup(document.title), KICKER),
-        Paragraph(markup(document.subject, BOLD), TITLE),
+        Paragraph(markup(document.subject), TITLE),
         HRFlowable(width="100%", thickness=2.0, color=INKS["ink"], spaceAfter=4),
     ]
     sheet = SHEETS[UPRIGHT]
@@ -150,7 +151,7 @@ def _section(section: Section, key: str, width: float) -> list[Flowable]:
 
 def _cut(document: Document, width: float) -> str:
     """The running title, shortened to a line."""
-    text = f"{document.title}: {readable(document.running_title)}"
+    text = written(f"{document.title}: {document.running_title}")
     while width_of(text, REGULAR, FOOT_SIZE) > width:
         text = f"{text[:-2]}…"
     return text

@@ -11,7 +11,7 @@ from reportlab.platypus import CondPageBreak, Flowable, KeepTogether, Paragraph,
 from reportlab.platypus import Table as PdfTable
 
 from app.services.survey_report.document import Column, Table
-from app.services.survey_report.pdf.fonts import BOLD, REGULAR, markup, runs, width_of
+from app.services.survey_report.pdf.fonts import BOLD, REGULAR, markup, width_of, written
 from app.services.survey_report.pdf.look import CAPTION, INKS, MARK, NOTE
 
 SIZES = (7.5, 7.0, 6.5, 6.0, 5.5, 5.0, 4.5)
@@ -42,7 +42,7 @@ def table_flowables(table: Table, available: float) -> list[Flowable]:
         [*_rules(table, len(head)), *_groups(table.columns, len(head)), *_type(table, layout, len(head))]
     )
     body = PdfTable([*head, *rows], layout.widths, style=style, repeatRows=len(head), hAlign="LEFT")
-    title = Paragraph(markup(table.title, BOLD), CAPTION)
+    title = Paragraph(markup(table.title), CAPTION)
     flowables: list[Flowable] = [title, body]
     if table.note:
         flowables.append(Paragraph(markup(table.note), NOTE))
@@ -104,16 +104,15 @@ def _head(columns: tuple[Column, ...]) -> list[list[str]]:
 
 def _cells(row: tuple[str, ...], columns: tuple[Column, ...], layout: Layout) -> list[str | Paragraph]:
     return [
-        _text_cell(text, width, layout.size) if column.align == "left" else text
+        _text_cell(text, width, layout.size) if column.align == "left" else written(text)
         for text, column, width in zip(row, columns, layout.widths, strict=True)
     ]
 
 
 def _text_cell(text: str, width: float, size: float) -> str | Paragraph:
-    """A plain string, which the library writes as it is, or a paragraph when it takes lines or other fonts."""
-    pieces = runs(text)
-    if pieces == [(REGULAR, text)] and width_of(text, REGULAR, size) <= width - 2 * PAD:
-        return text
+    """A plain string, which the library writes as it is, or a paragraph when it takes more than a line."""
+    if width_of(text, REGULAR, size) <= width - 2 * PAD:
+        return written(text)
     style = ParagraphStyle("cell", fontName=REGULAR, fontSize=size, leading=LEADING * size, textColor=INKS["ink"])
     return Paragraph(markup(text), style)
 

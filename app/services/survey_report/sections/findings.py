@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from app.services.survey_report.document import Column, Finding, Findings, Paragraph, Section, Table
 from app.services.survey_report.material import ReportMaterial
@@ -18,23 +17,12 @@ REASONS = {
     "angle": "Weak targets: rays too nearly parallel",
 }
 TEXTS = {
-    "moved": "stood in two places during the survey, or are posted twice",
-    "deformed": "are not as flat or as large as the others",
-    "rays": "are seen by too few photographs that agree on their place",
-    "angle": "are seen from places that stand too near together",
+    "moved": "in two places during the survey, or posted twice",
+    "deformed": "not as flat or as large as the others",
+    "rays": "seen by too few photographs that agree on the place",
+    "angle": "seen from places that stand too near together",
 }
-LEFT_OUT = "They are not in the map; the table of targets left out says what to do."
-
-
-@dataclass(frozen=True)
-class _Told:
-    """Words for one or for many."""
-
-    number: int
-    one: str
-
-    def __str__(self) -> str:
-        return f"{self.number} {self.one}{'' if self.number == 1 else 's'}"
+LEFT_OUT = "Not in the map; the table of targets left out says what to do."
 
 
 def findings(material: ReportMaterial) -> Section:
@@ -68,21 +56,21 @@ def _targets(material: ReportMaterial) -> Iterator[Finding]:
     for reason, title in REASONS.items():
         codes = [str(target.code) for target in material.report.left_out if target.reason == reason]
         if codes:
-            text = f"{_Told(len(codes), 'target')} ({listed(codes, MOST_LISTED)}) {TEXTS[reason]}. {LEFT_OUT}"
-            yield Finding(title, text, grave=True)
+            text = f"{listed(codes, MOST_LISTED)}: {TEXTS[reason]}. {LEFT_OUT}"
+            yield Finding(f"{title} ({len(codes)})", text, grave=True)
     false = material.report.false_sightings
     if false:
         seen = listed([f"{one.code} in {one.photo}" for one in false], MOST_LISTED)
-        text = f"{_Told(len(false), 'sighting')} of a target where it is not, left out: {seen}."
-        yield Finding("Misread targets", text, grave=True)
+        text = f"{seen}: the photograph shows the target where it is not. These sightings were left out."
+        yield Finding(f"Misread targets ({len(false)})", text, grave=True)
 
 
 def _photographs(material: ReportMaterial) -> Iterator[Finding]:
     unoriented = material.unoriented
     if unoriented:
         names = listed([photo.name for photo in unoriented], MOST_LISTED)
-        text = f"{_Told(len(unoriented), 'photograph')} took no part: {names}. Reasons are in the table."
-        yield Finding("Photographs without a pose", text, grave=True)
+        text = f"{names}: took no part. The table of photographs without a pose says why."
+        yield Finding(f"Photographs without a pose ({len(unoriented)})", text, grave=True)
 
 
 def _decisions(material: ReportMaterial) -> Iterator[Finding]:
@@ -100,7 +88,7 @@ def _decisions(material: ReportMaterial) -> Iterator[Finding]:
 
 
 def _extension(base_version: int, added: tuple[int, ...], moved: tuple[int, ...]) -> Iterator[Finding]:
-    text = f"This map extends version {base_version} by {_Told(len(added), 'target')}; its datum stands."
+    text = f"This map extends version {base_version}, whose datum stands. Targets added: {len(added)}."
     yield Finding("Extended map", text, grave=False)
     if moved:
         codes = listed([str(code) for code in moved], MOST_LISTED)

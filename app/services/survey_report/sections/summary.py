@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.geometry.target_map import MappedTarget
-from app.services.survey_report.document import Facts, KeyFigure, KeyFigures, Paragraph, Section
+from app.services.survey_report.document import Facts, KeyFigure, KeyFigures, Section
 from app.services.survey_report.material import ReportMaterial
 from app.services.survey_report.numbers import MISSING, MM_PER_M, count, fixed, millimetres, moment
 from app.targets.layout import PLATE_SIDE_U
@@ -86,15 +86,3 @@ def _datum(material: ReportMaterial) -> str:
         return "assumed: scale from the printed size of the plates, axes from the plates"
     used = [point.name for point in material.report.control if point.role == "control" and point.residual_m is not None]
     return f"control points {', '.join(used)}"
-
-
-def unit_note() -> Paragraph:
-    """How the report's numbers are to be read."""
-    return Paragraph(
-        "Coordinates are in metres in the site frame, Z up. Sigma is one standard deviation; sigmas of positions and "
-        "rotations hold along and about the site's axes. A residual is computed minus observed (map minus list for "
-        "points). Orientations are unit quaternions x, y, z, w that turn the camera frame (x right, y down, z forward) "
-        "or the target frame (x right, y up, z towards the viewer) into the site frame. The angles phi, omega, kappa "
-        "give the same rotation, R = site_from_cam diag(1, -1, -1) = R_Y(-phi) R_X(omega) R_Z(kappa); within one "
-        "degree of looking along the site's Y axis they are not defined and left out."
-    )
