@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 when all went well, 1 when the input was bad or something was not located, 2 for wrong arguments.
     """
-    parsed = _parser().parse_args(arguments)
+    parsed = parser().parse_args(arguments)
     try:
         return int(parsed.run(parsed))
     except ScattermarkError as error:
@@ -58,14 +58,15 @@ def _report(parsed: argparse.Namespace, slug: str, detail: str, fields: dict[str
     print(f"scattermark {parsed.command}: {' '.join(detail.split())}", file=sys.stderr)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser() -> argparse.ArgumentParser:
+    """All commands and their arguments."""
+    top = argparse.ArgumentParser(
         prog="scattermark", description="Positions of photographs among surveyed targets, to millimetres."
     )
-    parser.add_argument("--version", action="version", version=version("scattermark"))
-    commands = parser.add_subparsers(dest="command", required=True, metavar="command")
+    top.add_argument("--version", action="version", version=version("scattermark"))
+    commands = top.add_subparsers(dest="command", required=True, metavar="command")
     for name, command in COMMANDS.items():
         command_parser = commands.add_parser(name, help=command.HELP, description=command.HELP)
         command.configure(command_parser)
         command_parser.set_defaults(run=command.run)
-    return parser
+    return top
