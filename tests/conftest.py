@@ -1,30 +1,55 @@
-"""A database for every test that asks for one."""
+"""A database for every test that asks for one: the test then runs once on each kind."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from app.storage.database import Database
-from app.storage.migrate import upgrade
+from tests.databases import Databases, PostgresDatabases, SqliteDatabases, postgres_server
+
+
+@pytest.fixture(scope="session")
+def sqlite(tmp_path_factory: pytest.TempPathFactory) -> SqliteDatabases:
+    return SqliteDatabases(tmp_path_factory.mktemp("sqlite"))
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[PostgresDatabases]:
+    with postgres_server() as url:
+        databases = PostgresDatabases(url)
+        yield databases
+        databases.close()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def databases(request: pytest.FixtureRequest) -> Databases:
+    """The kind of database of this run."""
+    kind: Databases = request.getfixturevalue(request.param)
+    return kind
 
 
 @pytest.fixture
-def database_url(tmp_path: Path) -> str:
-    return f"sqlite:///{tmp_path / 'test.db'}"
+def database_url(databases: Databases) -> Iterator[str]:
+    """A database with the newest tables."""
+    url = databases.migrated()
+    yield url
+    databases.drop(url)
 
 
 @pytest.fixture
-def empty_database(database_url: str) -> Iterator[Database]:
+def database(database_url: str) -> Iterator[Database]:
+    opened = Database(database_url)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def empty_database(databases: Databases) -> Iterator[Database]:
     """Without tables."""
-    database = Database(database_url)
-    yield database
-    database.close()
-
-
-@pytest.fixture
-def database(empty_database: Database) -> Database:
-    upgrade(empty_database)
-    return empty_database
+    url = databases.empty()
+    opened = Database(url)
+    yield opened
+    opened.close()
+    databases.drop(url)

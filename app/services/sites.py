@@ -61,9 +61,11 @@ def delete_site(session: Session, site_id: str) -> None:
     Conflict
         When a build of the site is under way.
     """
+    sites = SiteRepository(session)
+    sites.lock(site_id)  # first: a build that is being asked for at this moment is then seen
     jobs = JobRepository(session).open_jobs(site_id)
     if jobs:
         raise Conflict(
             f"a build of the site is under way; POST /jobs/{jobs[0].job_id}/cancel first", job_id=jobs[0].job_id
         )
-    SiteRepository(session).delete(site_id)
+    sites.delete(site_id)

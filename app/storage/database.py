@@ -1,8 +1,4 @@
-"""The database: engines for writers and for readers, and a session that commits once at the edge.
-
-SQLite loses updates under its driver's default transactions, so a writer takes the write lock when it begins
-(``BEGIN IMMEDIATE``) and a reader cannot write at all.
-"""
+"""The database: sessions for writers, for pose rows and for readers, each committed once, at the edge."""
 
 from __future__ import annotations
 
@@ -10,14 +6,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event, text
-from sqlalchemy.exc import OperationalError
+from sqlalchemy import Connection, text
+from sqlalchemy.exc import IntegrityError, OperationalError
+from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from sqlalchemy.orm import Session as Session
 
-from app.errors import ScattermarkError
+from app.errors import Conflict, ScattermarkError
+from app.storage.engines import Access, engine_for
 
-BUSY_TIMEOUT_MS = 10_000  # a writer's turn: transactions here take milliseconds, a publication some tenths of a second
 RETRY_AFTER_S = 1
+FOREIGN_KEY_VIOLATION = "23503"  # SQLSTATE
+MIGRATION_LOCK = 0x5CA77E12  # of Postgres's advisory locks; any number that no other program takes
 
 
 class StorageUnavailable(ScattermarkError):
@@ -37,9 +36,9 @@ class Database:
 
     def __init__(self, url: str) -> None:
         self.url = url
-        self.writer = _engine(url, read_only=False)
-        self.recorder = _engine(url, read_only=False, synchronous="NORMAL")
-        self.reader = _engine(url, read_only=True)
+        self.writer = engine_for(url, Access.WRITE)
+        self.recorder = engine_for(url, Access.RECORD)
+        self.reader = engine_for(url, Access.READ)
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
@@ -55,7 +54,7 @@ class Database:
 
     @contextmanager
     def recording(self) -> Iterator[Session]:
-        """``writing`` for poses, many a second: on SQLite a power cut may lose the last of them, and nothing else.
+        """``writing`` for poses, many a second: when the database's machine falls, the last of them may be lost.
 
         Raises
         ------
@@ -79,7 +78,7 @@ class Database:
 
     @contextmanager
     def migrating(self) -> Iterator[Connection]:
-        """A connection for changing tables, committed when the block ends.
+        """A connection for changing tables, committed when the block ends; one process at a time has it.
 
         Foreign keys are not enforced on SQLite meanwhile: it alters a table by copying and dropping it, and the drop
         would delete the rows that refer to it.
@@ -88,6 +87,7 @@ class Database:
             _enforce_foreign_keys(connection, False)
             try:
                 with connection.begin():
+                    _wait_for_other_migrations(connection)
                     yield connection
             finally:
                 _enforce_foreign_keys(connection, True)
@@ -114,11 +114,22 @@ class Database:
 def _translated() -> Iterator[None]:
     try:
         yield
-    except OperationalError as error:
+    except (OperationalError, NoConnectionLeft) as error:
+        cause = error.orig if isinstance(error, OperationalError) else error
         raise StorageUnavailable(
-            f"the database gave no answer ({error.orig}); send the request again, and look at /readyz if it stays so",
+            f"the database gave no answer ({cause}); send the request again, and look at /readyz if it stays so",
             retry_after_s=RETRY_AFTER_S,
         ) from error
+    except IntegrityError as error:
+        if getattr(error.orig, "sqlstate", None) != FOREIGN_KEY_VIOLATION:
+            raise
+        raise Conflict("what this belongs to was removed in the meantime; read it again and start from there") from error
+
+
+def _wait_for_other_migrations(connection: Connection) -> None:
+    """SQLite's writer is alone already."""
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": MIGRATION_LOCK})
 
 
 def _enforce_foreign_keys(connection: Connection, wanted: bool) -> None:
@@ -126,27 +137,3 @@ def _enforce_foreign_keys(connection: Connection, wanted: bool) -> None:
     if connection.dialect.name == "sqlite":
         driver: Any = connection.connection.dbapi_connection
         driver.execute(f"PRAGMA foreign_keys={'ON' if wanted else 'OFF'}")
-
-
-def _engine(url: str, *, read_only: bool, synchronous: str = "FULL") -> Engine:
-    if not url.startswith("sqlite"):
-        isolation = "REPEATABLE READ" if read_only else "READ COMMITTED"
-        engine = create_engine(url, pool_pre_ping=True, isolation_level=isolation)
-        return engine.execution_options(postgresql_readonly=read_only)
-    engine = create_engine(url, connect_args={"timeout": BUSY_TIMEOUT_MS / 1000})
-    begin = "BEGIN" if read_only else "BEGIN IMMEDIATE"
-
-    @event.listens_for(engine, "connect")
-    def prepare(connection: Any, _record: Any) -> None:
-        connection.isolation_level = None  # the driver shall begin nothing by itself
-        connection.execute("PRAGMA journal_mode=WAL")
-        connection.execute(f"PRAGMA synchronous={synchronous}")
-        connection.execute("PRAGMA foreign_keys=ON")
-        if read_only:
-            connection.execute("PRAGMA query_only=ON")
-
-    @event.listens_for(engine, "begin")
-    def begin_transaction(connection: Connection) -> None:
-        connection.exec_driver_sql(begin)
-
-    return engine

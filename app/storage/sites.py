@@ -66,6 +66,15 @@ class SiteRepository:
         row = find_site_row(self._session, site_id, lock=True)
         row.geo_anchor = None if geo_anchor is None else asdict(geo_anchor)
 
+    def lock(self, site_id: str) -> None:
+        """Let nobody else change a site, or add anything to it, until the transaction ends.
+
+        Raises
+        ------
+        NotFound
+        """
+        find_site_row(self._session, site_id, lock=True)
+
     def delete(self, site_id: str) -> None:
         """Remove a site with all that belongs to it; its photographs' files stay until orphans are purged."""
         self._session.delete(find_site_row(self._session, site_id, lock=True))

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import textwrap
 import threading
-from pathlib import Path
 
 import pytest
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, StatementError
 
 from app.errors import NotFound
-from app.storage import database as database_module
+from app.storage import engines
 from app.storage.database import Database, StorageUnavailable
+from app.storage.jobs import JobRepository
 from app.storage.models import SiteRow
-from app.storage.sites import SiteRepository
+from app.storage.sites import SiteRepository, find_site_row
+from tests.storage import examples
 
 THREADS, PROCESSES, STEPS = 6, 2, 25
 
@@ -85,19 +87,25 @@ def test_a_reader_cannot_write(database: Database) -> None:
         SiteRepository(session).add("room", "golay", 0.014, None)
 
 
-def test_a_lock_that_is_never_given_up_is_said_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(database_module, "BUSY_TIMEOUT_MS", 20)
-    url = f"sqlite:///{tmp_path / 'locked.db'}"
-    first, second = Database(url), Database(url)
+def test_a_lock_that_is_never_given_up_is_said_so(database_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engines, "BUSY_TIMEOUT_MS", 20)
+    first, second = Database(database_url), Database(database_url)
     try:
+        site_id = new_site(first)
         with first.writing() as held:
-            held.connection()
-            with pytest.raises(StorageUnavailable, match="locked") as refused, second.writing() as session:
-                session.connection()
+            find_site_row(held, site_id, lock=True)
+            with pytest.raises(StorageUnavailable, match="lock") as refused, second.writing() as session:
+                find_site_row(session, site_id, lock=True)
         assert refused.value.fields["retry_after_s"] >= 1
     finally:
         first.close()
         second.close()
+
+
+def test_a_number_that_json_does_not_have_is_refused(database: Database) -> None:
+    site, survey_id = examples.site_with_survey(database)
+    with pytest.raises((ValueError, StatementError), match="not JSON"), database.writing() as session:
+        JobRepository(session).add("build", site.site_id, survey_id, {"weight": math.nan})
 
 
 def test_a_reader_sees_one_state_while_others_write(database: Database) -> None:

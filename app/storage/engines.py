@@ -1,0 +1,86 @@
+"""Engines of SQLite and of Postgres that behave alike: no lost update, no reader that writes, no wait without end.
+
+SQLite loses updates under its driver's default transactions, so a writer takes the write lock when it begins
+(``BEGIN IMMEDIATE``). On Postgres writers meet at the rows that they lock.
+"""
+
+from __future__ import annotations
+
+import json
+from enum import Enum
+from functools import partial
+from typing import Any
+
+from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
+
+BUSY_TIMEOUT_MS = 10_000  # a writer's turn: transactions here take milliseconds, a publication some tenths of a second
+CONNECT_TIMEOUT_S = 10  # a database that is there answers within one; Postgres's own default is two minutes
+
+# Postgres's JSON has no NaN. SQLite would take it, and the fault would show on the other database only.
+STRICT_JSON = partial(json.dumps, allow_nan=False)
+
+
+class Access(Enum):
+    """What an engine's sessions do."""
+
+    READ = "read"  # see one state of the database, change nothing
+    WRITE = "write"  # on disk when committed
+    RECORD = "record"  # safe from a process that dies, not from a power cut: many rows a second
+
+
+def engine_for(address: str, access: Access) -> Engine:
+    """An engine that connects when first used.
+
+    Parameters
+    ----------
+    address : str
+        SQLAlchemy URL of SQLite (a file) or Postgres.
+    access : Access
+
+    Raises
+    ------
+    sqlalchemy.exc.ArgumentError
+        For what is no such URL.
+    ModuleNotFoundError
+        When the database's driver is not installed.
+    """
+    url = make_url(address)
+    return _sqlite_engine(url, access) if url.get_backend_name() == "sqlite" else _postgres_engine(url, access)
+
+
+def _postgres_engine(url: URL, access: Access) -> Engine:
+    engine = create_engine(
+        url.update_query_dict({"connect_timeout": str(CONNECT_TIMEOUT_S), **url.query}),
+        pool_pre_ping=True,
+        isolation_level="REPEATABLE READ" if access is Access.READ else "READ COMMITTED",
+        json_serializer=STRICT_JSON,
+    )
+
+    @event.listens_for(engine, "connect")
+    def prepare(connection: Any, _record: Any) -> None:
+        connection.execute(f"SET lock_timeout = {BUSY_TIMEOUT_MS}")
+        connection.execute(f"SET synchronous_commit = {'off' if access is Access.RECORD else 'on'}")
+        connection.commit()
+
+    return engine.execution_options(postgresql_readonly=access is Access.READ)
+
+
+def _sqlite_engine(url: URL, access: Access) -> Engine:
+    timeout_s = BUSY_TIMEOUT_MS / 1000
+    engine = create_engine(url, connect_args={"timeout": timeout_s}, json_serializer=STRICT_JSON)
+    begin = "BEGIN" if access is Access.READ else "BEGIN IMMEDIATE"
+
+    @event.listens_for(engine, "connect")
+    def prepare(connection: Any, _record: Any) -> None:
+        connection.isolation_level = None  # the driver shall begin nothing by itself
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute(f"PRAGMA synchronous={'NORMAL' if access is Access.RECORD else 'FULL'}")
+        connection.execute("PRAGMA foreign_keys=ON")
+        if access is Access.READ:
+            connection.execute("PRAGMA query_only=ON")
+
+    @event.listens_for(engine, "begin")
+    def begin_transaction(connection: Connection) -> None:
+        connection.exec_driver_sql(begin)
+
+    return engine
