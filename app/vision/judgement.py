@@ -41,8 +41,6 @@ class JudgementOptions:
         Root mean square of the dots about the plate's homography: a tenth of a radius on flat plates.
     misfit_noise_px : float
         What noise adds to that on small plates.
-    covered_residual : float
-        A cell is covered when it leaves this multiple of the plate's median cell unexplained; plain cells reach 2.4.
     base_dots_min, dots_min : int
         Measured base dots, and measured dots in all.
     """
@@ -55,7 +53,6 @@ class JudgementOptions:
     explained_min: float = 0.7
     misfit_max_u: float = 0.15
     misfit_noise_px: float = 0.25
-    covered_residual: float = 3.0
     base_dots_min: int = 4
     dots_min: int = 6
 
@@ -138,18 +135,16 @@ def judge_plates(
 
 
 def missing_in_plain_view(
-    fits: PlateFits, dots: DotCentres, residuals: Array, options: JudgementOptions = JudgementOptions()
+    fits: PlateFits, dots: DotCentres, covered: Mask, options: JudgementOptions = JudgementOptions()
 ) -> Mask:
     """Plates that lack a base dot although nothing covers its place, shape (P,).
 
     Parameters
     ----------
-    residuals : ndarray of shape (P, 16)
-        What each cell's picture leaves unexplained.
+    covered : ndarray of shape (P, 5), bool
+        Base dots that something stands before.
     """
-    covered = residuals > options.covered_residual * np.median(residuals, axis=1, keepdims=True)
-    lacking = lacks_red(fits, options) & dots.inside[:, BASE] & ~covered[:, BASE]
-    return np.asarray(lacking.any(axis=1))
+    return np.asarray((lacks_red(fits, options) & dots.inside[:, BASE] & ~covered).any(axis=1))
 
 
 def lacks_red(fits: PlateFits, options: JudgementOptions = JudgementOptions()) -> Mask:

@@ -136,19 +136,3 @@ def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
         spread_rms=np.sqrt(np.maximum(spread, 0.0) / (CHANNELS * count)),
         offset_cofactors=cofactors,
     )
-
-
-def cell_residuals(pyramid: Pyramid, image_from_plate: Array, blur_px: float) -> Array:
-    """Root mean square of samples minus model in each dot's cell, all channels, shape (P, 16), linear light.
-
-    What covers a dot does not look like any ink on black, whatever amplitude it takes.
-    """
-    patches = take_patches(pyramid, image_from_plate, PatchGrid.FINE)
-    member = patches.grid.cell_members()
-    power = np.empty((len(patches.samples), DOT_COUNT))
-    for plate, level in enumerate(patches.levels(np.full(len(power), blur_px))):
-        template = plate_template(patches.grid, int(level))
-        solved = patches.samples[plate] @ template.design @ template.cofactors
-        residual = patches.samples[plate] - solved @ template.design.T
-        power[plate] = (residual**2).mean(axis=0) @ member
-    return np.sqrt(power / member.sum(axis=0))

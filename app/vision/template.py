@@ -49,12 +49,6 @@ class PatchGrid(Enum):
         return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.8, PatchGrid.DENSE: 9.0}[self]
 
     @cache
-    def cell_members(self) -> Array32:
-        """Which samples lie in each dot's cell, shape (S, 16), 0 or 1."""
-        cells = np.linalg.norm(self.points_u()[:, None] - PLATE_DOTS_U, axis=2).argmin(axis=1)
-        return (cells[:, None] == np.arange(DOT_COUNT)).astype(np.float32)
-
-    @cache
     def points_u(self) -> Array:
         """Plate coordinates, shape (S, 2), of a patch's samples."""
         axis = np.linspace(-PATCH_REACH_U, PATCH_REACH_U, self.value)

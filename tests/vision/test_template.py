@@ -143,13 +143,8 @@ def test_levels_round_to_the_nearest_blur_and_stay_in_range() -> None:
 
 
 @pytest.mark.parametrize("grid", list(PatchGrid))
-def test_samples_cover_the_plate_and_belong_to_the_nearest_dot(grid: PatchGrid) -> None:
+def test_samples_cover_the_plate_and_nothing_else(grid: PatchGrid) -> None:
     points_u = grid.points_u()
     assert np.abs(points_u).max() == PATCH_REACH_U < PLATE_SIDE_U / 2
     np.testing.assert_allclose(points_u.mean(axis=0), 0.0, atol=1e-12)
     np.testing.assert_allclose(grid.homogeneous_u()[:, :2], points_u, atol=1e-6)
-    members = grid.cell_members()
-    assert (members.sum(axis=1) == 1).all()
-    for dot, centre_u in enumerate(PLATE_DOTS_U):
-        away_u = np.abs(points_u - centre_u).max(axis=1)
-        assert members[away_u < 1.45, dot].all() and (members[:, dot].sum() > 0)
