@@ -130,7 +130,7 @@ def clean_network(growth: Growth, options: QualityOptions, on_step: Callable[[],
 
 def held_part(growth: Growth) -> tuple[Part, BundleProblem]:
     """What stands of a growth, held at its first photograph."""
-    part = standing(growth)
+    part = standing(growth, growth.options.fewest_agreeing)
     network = growth.network.among(part.photos, part.targets)
     return part, replace(part_problem(growth.problem, part), photo_poses=held_photo(network, 0))
 
@@ -159,7 +159,8 @@ def _without_false(state: _State, part: Part, problem: BundleProblem, options: Q
 
 def _readmitted(state: _State, options: QualityOptions) -> _State:
     """The state with sightings back that were called false while others bent the network, and agree with it now."""
-    growth, part = state.growth, standing(state.growth)
+    growth = state.growth
+    part = standing(growth, growth.options.fewest_agreeing)
     asked = state.false & ~np.isin(state.every.target, [one.target for one in state.targets])
     asked &= np.isin(state.every.target, part.targets) & np.isin(state.every.photo, part.photos)
     if not asked.any():

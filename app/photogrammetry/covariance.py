@@ -1,8 +1,8 @@
 """What an adjustment knows about its own result: covariances of targets, photographs and cameras, from the factor.
 
 Each target's uncertainty is parted in two: what all targets share, a small similarity of the whole map (the datum), and
-what is its own. The parting is Baarda's S-transformation to the datum of all targets' centres: the similarity is the
-one that fits the errors of all centres best, what it leaves is own.
+what is its own. The parting is Baarda's S-transformation to the datum of all targets: the similarity is the one that
+fits the errors of all dots best, what it leaves is own.
 Sources: Baarda, S-transformations and criterion matrices, 1973; Teunissen, in Grafarend and Sanso (eds.), Optimization
 and design of geodetic networks, 1985.
 """
@@ -95,16 +95,32 @@ def pose_covariances(reduced: ReducedSystem, sightings: Sightings) -> PoseCovari
 
 
 def part_datum(
-    covariances: PoseCovariances, reduced: ReducedSystem, network: Network, defining: npt.NDArray[np.bool_]
+    covariances: PoseCovariances,
+    reduced: ReducedSystem,
+    network: Network,
+    defining: npt.NDArray[np.bool_],
+    plane_m: Array,
 ) -> PartedCovariances:
-    """Part covariances into own and shared, by the similarity of the defining targets' centres, mask of shape (T,)."""
-    centres_m = network.target_positions_m[defining]
-    origin_m = centres_m.mean(axis=0)
+    """Part covariances into own and shared.
+
+    Parameters
+    ----------
+    covariances : PoseCovariances
+    reduced : ReducedSystem
+    network : Network
+    defining : ndarray of shape (T,), bool
+        The targets whose dots define the datum: those that are published.
+    plane_m : ndarray of shape (16, 2)
+        Dots in the target's plane.
+    """
+    origin_m = network.target_positions_m[defining].mean(axis=0)
     frame = Datum(origin_m, np.zeros((SIMILARITY_COUNT, SIMILARITY_COUNT)))
-    design = frame.point_jacobian(centres_m).reshape(-1, SIMILARITY_COUNT)
-    weights = np.zeros((len(defining), POSE_COUNT, SIMILARITY_COUNT))
-    weights[defining, :3] = (design @ np.linalg.inv(design.T @ design)).reshape(-1, 3, SIMILARITY_COUNT)
-    rows = weights.reshape(-1, SIMILARITY_COUNT)
+    design = _following(frame, network.target_positions_m) * defining[:, None, None]
+    # A turn of a plate counts by what it moves the plate's dots.
+    arm_m2 = float((plane_m**2).sum(axis=-1).mean())
+    weighted = design * np.repeat([1.0, arm_m2], 3)[:, None]
+    fit = np.linalg.pinv(np.einsum("tij,tik->jk", weighted, design), hermitian=True)
+    rows = (weighted @ fit).reshape(-1, SIMILARITY_COUNT)
     with_datum = reduced.solve(_of_targets(reduced, network, rows))
     shared = rows.T @ with_datum.targets
     datum = Datum(origin_m, (shared + shared.T) / 2.0)
@@ -115,13 +131,19 @@ def part_datum(
 
 def _own(covariances: Array, with_datum: Array, datum: Datum, positions_m: Array) -> Array:
     """Covariances (n, 6, 6) after the datum's part is taken off; ``with_datum`` (6 n, 7) are covariances with it."""
-    follows = np.zeros((len(positions_m), POSE_COUNT, SIMILARITY_COUNT))
-    follows[:, :3] = datum.point_jacobian(positions_m)
-    follows[:, 3:, 3:POSE_COUNT] = np.eye(3)
+    follows = _following(datum, positions_m)
     across = with_datum.reshape(-1, POSE_COUNT, SIMILARITY_COUNT) @ np.swapaxes(follows, -1, -2)
     shared = follows @ datum.covariance @ np.swapaxes(follows, -1, -2)
     own = covariances - across - np.swapaxes(across, -1, -2) + shared
     return np.asarray((own + np.swapaxes(own, -1, -2)) / 2.0)
+
+
+def _following(datum: Datum, positions_m: Array) -> Array:
+    """Derivative of poses at positions (n, 3) by the datum's seven parameters, shape (n, 6, 7)."""
+    follows = np.zeros((len(positions_m), POSE_COUNT, SIMILARITY_COUNT))
+    follows[:, :3] = datum.point_jacobian(positions_m)
+    follows[:, 3:, 3:POSE_COUNT] = np.eye(3)
+    return follows
 
 
 def point_covariance(reduced: ReducedSystem, network: Network, points: PointEquations) -> Array:

@@ -79,14 +79,19 @@ def adjust_growth(growth: Growth) -> Growth:
     return _without_strays(_with_mirrors_moved(growth, part), problem, part, squared)
 
 
-def standing(growth: Growth) -> Part:
-    """Decided targets that two oriented photographs see, and the photographs that see any of them.
+def standing(growth: Growth, fewest_targets: int = 1) -> Part:
+    """Decided targets that two oriented photographs see, and the photographs that see so many of them.
 
     What has come apart since it grew is parted again: the part with most photographs stands.
     """
     every = growth.problem.sightings
     seen = every.select(growth.oriented[every.photo] & growth.decided[every.target])
-    seen = seen.select(seen.rays()[seen.target] >= ADJUSTED_RAYS)
+    while True:
+        enough = seen.rays()[seen.target] >= ADJUSTED_RAYS
+        enough &= seen.targets_per_photo()[seen.photo] >= fewest_targets
+        if enough.all():
+            break
+        seen = seen.select(enough)
     if not len(seen):
         return Part(seen.photo, seen.target)
     size = seen.photo_count + seen.target_count

@@ -40,6 +40,8 @@ class GrowthOptions:
         A mirror image is ruled out when it costs this many times the other; noise alone makes ratios near 1.
     least_agreeing : float
         Share of the known targets in a photograph that must agree with its pose.
+    fewest_agreeing : int
+        And how many at least: one target alone agrees with the pose that it gives, also when it is misread.
     growth_per_adjustment : float
         The network is adjusted each time it has grown by this factor.
     adjustment_steps : int
@@ -60,6 +62,7 @@ class GrowthOptions:
     other_angle_rad: float = 0.1
     decided_ratio: float = 2.0
     least_agreeing: float = 0.5
+    fewest_agreeing: int = 2
     growth_per_adjustment: float = 1.5
     adjustment_steps: int = 8
     adjusted_share: float = 0.01

@@ -132,5 +132,6 @@ def _judged(growth: Growth, problem: BundleProblem, network: Network) -> tuple[I
     own, others = (np.bincount(photo, agrees * values**2, minlength=len(counts)) for values in (misfits, misfits[twin]))
     ruled_out = others[best] > growth.options.decided_ratio * own[best]
     same = turn_rad(network.photo_rotations[best], network.photo_rotations[other]) <= growth.options.other_angle_rad
-    share = np.bincount(photo, agrees, minlength=len(counts)) / counts
-    return best, (same | ruled_out) & (share[best] >= growth.options.least_agreeing)
+    agreeing = np.bincount(photo, agrees, minlength=len(counts))
+    fewest = np.maximum(growth.options.least_agreeing * counts, growth.options.fewest_agreeing)
+    return best, (same | ruled_out) & (agreeing >= fewest)[best]

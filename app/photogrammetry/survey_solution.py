@@ -69,7 +69,7 @@ def solve_uncertainty(site: SiteNetwork, published: Mask) -> Solution:
     problem, network = site.problem, site.adjusted.network
     reduced = reduced_at(problem, network, BundleOptions().loss)
     covariances = pose_covariances(reduced, problem.sightings)
-    parted = part_datum(covariances, reduced, network, published)
+    parted = part_datum(covariances, reduced, network, published, problem.plane_m)
     photos = covariances.photos
     if site.assumed is not None:
         parted = replace(parted, datum=assumed_covariance(parted.datum, site.assumed.tilt_sigma_rad))

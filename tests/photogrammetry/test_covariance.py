@@ -20,11 +20,13 @@ from app.photogrammetry.covariance import (
 from app.photogrammetry.equations import PointEquations
 from app.photogrammetry.network import Network
 from app.photogrammetry.reduced_system import ReducedSystem, Unknowns
-from tests.photogrammetry.survey_scene import build_room, ring_of_stations
+from app.targets.layout import dot_centres_u
+from tests.photogrammetry.survey_scene import U_M, build_room, ring_of_stations
 from tests.photogrammetry.true_network import Truth, see
 
 Array = npt.NDArray[np.float64]
 LOSS = BundleOptions().loss
+PLANE_M = dot_centres_u() * U_M
 
 
 def truth_of(noise_px: float = 0.0, seed: int = 3) -> Truth:
@@ -56,7 +58,7 @@ def test_covariances_are_the_blocks_of_the_inverse() -> None:
 def parted_of(truth: Truth) -> PartedCovariances:
     reduced = reduced_at(truth.problem, truth.network, LOSS)
     covariances = pose_covariances(reduced, truth.sightings)
-    return part_datum(covariances, reduced, truth.network, np.ones(len(truth.codes), dtype=np.bool_))
+    return part_datum(covariances, reduced, truth.network, np.ones(len(truth.codes), dtype=np.bool_), PLANE_M)
 
 
 def test_own_parts_do_not_depend_on_what_holds_the_frame() -> None:
@@ -67,7 +69,7 @@ def test_own_parts_do_not_depend_on_what_holds_the_frame() -> None:
     problem = replace(truth.problem, photo_poses=other)
     reduced = reduced_at(problem, truth.network, LOSS)
     every = np.ones(len(truth.codes), dtype=np.bool_)
-    second = part_datum(pose_covariances(reduced, truth.sightings), reduced, truth.network, every)
+    second = part_datum(pose_covariances(reduced, truth.sightings), reduced, truth.network, every, PLANE_M)
     np.testing.assert_allclose(first.targets, second.targets, rtol=1e-4, atol=1e-12)
     np.testing.assert_allclose(first.photos, second.photos, rtol=1e-4, atol=1e-12)
     assert np.linalg.eigvalsh(first.targets).min() > 0
@@ -97,7 +99,8 @@ def test_normalised_errors_of_drawn_surveys() -> None:
         network = adjust_bundle(problem, truth.network).network
         reduced = reduced_at(problem, network, LOSS)
         covariances = pose_covariances(reduced, problem.sightings)
-        parted = part_datum(covariances, reduced, network, np.ones(len(truth.codes), dtype=np.bool_))
+        every = np.ones(len(truth.codes), dtype=np.bool_)
+        parted = part_datum(covariances, reduced, network, every, PLANE_M)
         shared = np.array([parted.datum.pose_covariance(place) for place in network.target_positions_m])
         errors = errors_of(network, truth.network)
         whole.append(normalised(errors, covariances.targets).mean())
@@ -113,8 +116,12 @@ def test_normalised_errors_of_drawn_surveys() -> None:
 
 
 def datum_part(errors: Array, network: Network) -> Array:
-    """The small similarity that fits the errors of all centres, as errors of the poses."""
+    """The small similarity that fits the errors of all dots, as errors of the poses."""
     datum = Datum(network.target_positions_m.mean(axis=0), np.zeros((7, 7)))
-    design = datum.point_jacobian(network.target_positions_m)
-    parameters = np.linalg.lstsq(design.reshape(-1, 7), errors[:, :3].ravel(), rcond=None)[0]
-    return np.concatenate([design @ parameters, np.tile(parameters[3:6], (len(errors), 1))], axis=-1)
+    design = np.zeros((len(errors), 6, 7))
+    design[:, :3] = datum.point_jacobian(network.target_positions_m)
+    design[:, 3:, 3:6] = np.eye(3)
+    roots = np.repeat([1.0, np.sqrt((PLANE_M**2).sum(axis=-1).mean())], 3)  # a turn counts by how far it moves dots
+    weighted = (design * roots[:, None]).reshape(-1, 7)
+    parameters = np.linalg.lstsq(weighted, (errors * roots).ravel(), rcond=None)[0]
+    return np.asarray(design @ parameters)
