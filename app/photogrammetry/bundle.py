@@ -167,8 +167,11 @@ def _possible(network: Network) -> bool:
 
 
 def _damped(normals: NormalEquations, damping: float) -> NormalEquations:
-    """Marquardt's damping: each diagonal entry grown by a fraction of itself."""
+    """Marquardt's damping: each diagonal entry grown by a fraction of itself and of one, which keeps a target that lies
+    behind all its cameras, and so has no equations, from stopping all others.
+    """
     photos, targets, border = normals.photos.copy(), normals.targets.copy(), normals.border.copy()
     for blocks in (photos, targets, border):
-        np.einsum("...ii->...i", blocks)[...] *= 1.0 + damping
+        diagonal = np.einsum("...ii->...i", blocks)
+        diagonal += damping * (diagonal + 1.0)
     return replace(normals, photos=photos, targets=targets, border=border)
