@@ -62,9 +62,8 @@ def _parts(database: Database, trajectory_id: str, times: TimeRange) -> Iterator
     after: Place | None = None
     while True:
         with database.reading() as session:
-            part = TrajectoryQueries(session).poses(trajectory_id, times, after, POSES_AT_A_TIME)
-        if len(part.poses):
-            yield part.poses
-        if part.end is None:
+            poses, after = TrajectoryQueries(session).poses(trajectory_id, times, after, POSES_AT_A_TIME)
+        if len(poses):
+            yield poses
+        if after is None:
             return
-        after = part.end

@@ -65,12 +65,14 @@ class TrajectoryQueries:
         end = Place(kept[-1].captured_s, kept[-1].ordinal) if len(rows) > limit else None
         return _part(kept, end)
 
-    def poses(self, trajectory_id: str, times: TimeRange, after: Place | None, limit: int) -> TrajectoryPart:
-        """``part`` without the failures."""
-        query = in_time(select(*COLUMNS), trajectory_id, times, after).where(SnapshotRow.reason.is_(None))
-        rows = self._session.execute(query.limit(limit)).all()
-        end = Place(rows[-1].captured_s, rows[-1].ordinal) if len(rows) == limit else None
-        return _part(rows, end)
+    def poses(
+        self, trajectory_id: str, times: TimeRange, after: Place | None, limit: int
+    ) -> tuple[Trajectory, Place | None]:
+        """The poses of a time range alone, and where the next ones begin or None at the end."""
+        columns = select(SnapshotRow.captured_s, SnapshotRow.ordinal, *POSE)
+        query = in_time(columns, trajectory_id, times, after).where(SnapshotRow.reason.is_(None)).limit(limit)
+        rows = self._session.execute(query).all()
+        return _poses(rows), Place(rows[-1].captured_s, rows[-1].ordinal) if len(rows) == limit else None
 
     def arrivals(self, trajectory_id: str, after_ordinal: int, limit: int) -> TrajectoryPart:
         """The snapshots that came after one, the first of them; ``end`` is None."""

@@ -4,6 +4,7 @@ import threading
 
 import numpy as np
 import pytest
+from sqlalchemy import select
 
 from app.errors import Conflict, NotFound
 from app.storage.database import Database
@@ -97,8 +98,70 @@ def test_only_an_open_trajectory_of_the_site_takes_snapshots(database: Database)
             trajectories.open_one("nowhere", site.site_id)
         with pytest.raises(Conflict, match="belongs to site"):
             trajectories.open_one(mine.trajectory_id, other.site_id)
-        row = session.get(TrajectoryRow, mine.trajectory_id)
-        assert row is not None
-        row.closed_s = 1.0
+        trajectories.close(mine.trajectory_id)
         with pytest.raises(Conflict, match="is closed"):
             trajectories.open_one(mine.trajectory_id, site.site_id)
+        with pytest.raises(Conflict, match="is closed"):
+            trajectories.record(mine.trajectory_id, examples.snapshot(site, examples.located()))
+
+
+def test_closing_twice_is_closing_once(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectories = TrajectoryRepository(session)
+        opened = trajectories.add(site.site_id, "phone-1", "a walk")
+        assert (opened.closed_s, opened.default, opened.snapshot_count) == (None, False, 0)
+        closed = trajectories.close(opened.trajectory_id)
+        assert closed.closed_s is not None
+        assert trajectories.close(opened.trajectory_id) == closed
+        assert trajectories.get(opened.trajectory_id) == closed
+        with pytest.raises(NotFound, match="no trajectory"):
+            trajectories.close("nowhere")
+
+
+def test_after_a_closed_default_comes_another(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectories = TrajectoryRepository(session)
+        first = trajectories.default(site.site_id, "phone-1")
+        assert not trajectories.close(first.trajectory_id).default
+        second = trajectories.default(site.site_id, "phone-1")
+    assert second.default
+    assert second.trajectory_id != first.trajectory_id
+
+
+def test_a_trajectory_counts_what_it_holds(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectories = TrajectoryRepository(session)
+        trajectory_id = trajectories.add(site.site_id, None, "").trajectory_id
+        for outcome in (examples.located(), examples.REFUSED, examples.REFUSED):
+            trajectories.record(trajectory_id, examples.snapshot(site, outcome))
+        trajectories.record(trajectory_id, examples.snapshot(site, examples.located(), SNAPSHOT_ID))
+        trajectories.record(trajectory_id, examples.snapshot(site, examples.located(), SNAPSHOT_ID))  # a repeat
+    with database.reading() as session:
+        found = TrajectoryRepository(session).get(trajectory_id)
+    assert (found.pose_count, found.failure_count, found.snapshot_count) == (2, 2, 4)
+    assert found.failures == (("too-few-dots", 2),)
+    assert found.first_s == found.last_s == 1777627800.25
+
+
+def test_ordinals_have_no_gap_however_many_record(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectory_id = TrajectoryRepository(session).add(site.site_id, None, "").trajectory_id
+
+    def walk() -> None:
+        for _ in range(10):
+            with database.recording() as session:
+                TrajectoryRepository(session).record(trajectory_id, examples.snapshot(site, examples.located()))
+
+    threads = [threading.Thread(target=walk) for _ in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    with database.reading() as session:
+        ordinals = session.scalars(select(SnapshotRow.ordinal).order_by(SnapshotRow.ordinal)).all()
+        assert TrajectoryRepository(session).get(trajectory_id).snapshot_count == 60
+    assert ordinals == list(range(1, 61))
