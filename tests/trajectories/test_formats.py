@@ -87,7 +87,11 @@ def test_geojson_is_one_collection_however_it_is_cut(size: int) -> None:
     members = {"trajectory_id": "t"}
     text = "".join(geojson_text(cut(trajectory, size), lambda site_m: site_m * 2.0, members))
     collection = json.loads(text)
-    assert (collection["type"], collection["trajectory_id"], len(collection["features"])) == ("FeatureCollection", "t", 10)
+    assert (collection["type"], collection["trajectory_id"], len(collection["features"])) == (
+        "FeatureCollection",
+        "t",
+        10,
+    )
     places = np.array([feature["geometry"]["coordinates"] for feature in collection["features"]])
     np.testing.assert_allclose(places, trajectory.positions_m * 2.0, rtol=0, atol=0.51e-4)
     properties = collection["features"][3]["properties"]
