@@ -35,7 +35,7 @@ def database_url(databases: Databases) -> Iterator[str]:
     """A database with the newest tables."""
     url = databases.migrated()
     yield url
-    databases.drop(url)
+    databases.take_back(url)
 
 
 @pytest.fixture
@@ -52,4 +52,4 @@ def empty_database(databases: Databases) -> Iterator[Database]:
     opened = Database(url)
     yield opened
     opened.close()
-    databases.drop(url)
+    databases.take_back(url)

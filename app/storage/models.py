@@ -100,7 +100,7 @@ class PhotographRow(Base):
     sha256: Mapped[Digest] = mapped_column(index=True)
     size_bytes: Mapped[Size]
     identity: Mapped[Json]
-    captured_at: Mapped[Short | None]
+    captured_at: Mapped[Long | None]  # as the camera wrote it, which may be anything
     created_s: Mapped[Number]
 
 

@@ -17,7 +17,9 @@ from app.storage.sites import SiteRepository, find_site_row
 from tests.databases import PostgresDatabases
 from tests.storage.examples import site_with_survey
 
-WAITS_FOR_A_LOCK = "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND wait_event_type = 'Lock'"
+WAITS_FOR_A_LOCK = (
+    "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND wait_event_type = 'Lock'"
+)
 
 
 @pytest.fixture
@@ -26,7 +28,7 @@ def database(postgresql: PostgresDatabases) -> Iterator[Database]:
     opened = Database(url)
     yield opened
     opened.close()
-    postgresql.drop(url)
+    postgresql.take_back(url)
 
 
 class InBackground:
@@ -100,7 +102,7 @@ def test_two_that_start_at_once_migrate_once(postgresql: PostgresDatabases) -> N
     assert up_to_date(databases[0])
     for database in databases:
         database.close()
-    postgresql.drop(url)
+    postgresql.take_back(url)
 
 
 def test_a_server_that_is_not_there_is_said_so() -> None:

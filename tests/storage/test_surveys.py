@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,15 @@ def test_the_same_bytes_again_change_nothing_and_others_are_refused(database: Da
         with pytest.raises(Conflict, match=r"another photograph named a\.jpg"):
             surveys.add_photo(survey_id, examples.photo(sha256="c" * 64))
         assert surveys.photos(survey_id) == (examples.photo(),)
+
+
+def test_whatever_a_camera_writes_as_its_time_is_kept(database: Database) -> None:
+    _, survey_id = examples.site_with_survey(database)
+    photo = replace(examples.photo(), captured_at="2026:05:01 " * 100)
+    with database.writing() as session:
+        SurveyRepository(session).add_photo(survey_id, photo)
+    with database.reading() as session:
+        assert SurveyRepository(session).photos(survey_id) == (photo,)
 
 
 def test_an_unknown_survey_or_site_is_said_so(database: Database) -> None:
