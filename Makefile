@@ -40,7 +40,7 @@ $(VENV)/.ready: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "No Python 3.11 or newer found that runs: install one, or say make PYTHON=/path/to/python." >&2; exit 1; }
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON) is older than Python 3.11: install a newer one, or say make PYTHON=/path/to/python." >&2; exit 1; }
 	@echo "Setting up $(VENV) with $(PYTHON) (once)" >&2
-	@"$(PYTHON)" -m venv "$(VENV)" || { echo "$(PYTHON) cannot make a virtual environment: install its venv module (Debian and Ubuntu: apt install python3-venv)." >&2; exit 1; }
+	@"$(BIN)/python" -c 'import ssl, venv' 2>/dev/null || "$(PYTHON)" -m venv --clear "$(VENV)" || { echo "$(PYTHON) cannot make a virtual environment: install its venv module (Debian and Ubuntu: apt install python3-venv)." >&2; exit 1; }
 	@"$(BIN)/python" -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
