@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import ExitStack, asynccontextmanager
 from functools import partial
 from multiprocessing import forkserver
 
@@ -24,7 +24,7 @@ from app.services.trajectory_bell import TrajectoryBell
 from app.services.workers import start_worker
 from app.settings import Settings, settings_from_environment
 from app.storage.database import Database
-from app.storage.migrate import upgrade
+from app.storage.migrate import check_tables, upgrade
 from app.storage.photo_store import PhotoStore
 from app.vision.photo import PhotoLimits
 
@@ -75,11 +75,15 @@ def _start_fork_server() -> None:
 
 
 def _open_storage(settings: Settings) -> tuple[Database, PhotoStore]:
-    """Database and photographs; the embedded database is brought to the present tables."""
+    """Database and photographs; the embedded database is brought to the present tables, any other must have them."""
     settings.data_dir.mkdir(parents=True, exist_ok=True)
     photos = PhotoStore(settings.photographs_dir)
     photos.sweep()
     database = Database(settings.sqlalchemy_url)
-    if settings.embedded:
-        upgrade(database)
+    with ExitStack() as if_it_fails:
+        if_it_fails.callback(database.close)
+        if settings.embedded:
+            upgrade(database)
+        check_tables(database)
+        if_it_fails.pop_all()
     return database, photos

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from app.errors import ScattermarkError
 from app.services.ports import CpuPool
 from app.storage.database import Database
-from app.storage.migrate import up_to_date
+from app.storage.migrate import check_tables
 
 OK = "ok"
 
@@ -33,14 +34,10 @@ class Readiness:
         """Each check by name: ``ok``, or what is wrong and what to do."""
         checks = {
             "database": _outcome(self._database.ping),
-            "migrations": _outcome(self._check_migrations),
+            "migrations": _outcome(partial(check_tables, self._database)),
             "photographs": _outcome(self._check_folder),
         }
         return {**checks, **{f"{name}_workers": _workers(pool) for name, pool in self._pools.items()}}
-
-    def _check_migrations(self) -> None:
-        if not up_to_date(self._database):
-            raise ScattermarkError("the tables are not those of this release: run `scattermark migrate`")
 
     def _check_folder(self) -> None:
         with tempfile.TemporaryFile(dir=self._photographs_dir):

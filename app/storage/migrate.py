@@ -11,8 +11,15 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
+from app.errors import ScattermarkError
 from app.storage.database import Database
 from app.storage.models import Base
+
+
+class WrongTables(ScattermarkError):
+    """The database waits for a migration, or had one that this release does not know."""
+
+    slug = "wrong-tables"
 
 
 def ours(name: str | None, kind: str, _parents: object) -> bool:
@@ -57,6 +64,20 @@ def up_to_date(database: Database) -> bool:
     newest = ScriptDirectory(str(migrations_folder())).get_current_head()
     with database.reading() as session:
         return MigrationContext.configure(session.connection()).get_current_revision() == newest
+
+
+def check_tables(database: Database) -> None:
+    """See that the database is one that this release can work with.
+
+    Raises
+    ------
+    WrongTables
+        When it has other tables.
+    StorageUnavailable
+        When it gives no answer.
+    """
+    if not up_to_date(database):
+        raise WrongTables("the database's tables are not those of this release: run `scattermark migrate`")
 
 
 def _config(connection: object) -> Config:

@@ -68,11 +68,16 @@ def test_a_row_that_is_locked_is_read_anew(database: Database) -> None:
 
 def test_what_belongs_to_a_removed_site_is_a_conflict(database: Database) -> None:
     site, survey_id = site_with_survey(database)
-    with pytest.raises(Conflict, match="removed in the meantime"), database.writing() as session:
-        SiteRepository(session).get(site.site_id)
-        with database.writing() as other:
-            SiteRepository(other).delete(site.site_id)
-        JobRepository(session).add("build", site.site_id, survey_id, {})
+
+    def ask_for_a_build_of_what_goes_away() -> None:
+        with database.writing() as session:
+            SiteRepository(session).get(site.site_id)
+            with database.writing() as other:
+                SiteRepository(other).delete(site.site_id)
+            JobRepository(session).add("build", site.site_id, survey_id, {})
+
+    with pytest.raises(Conflict, match="removed in the meantime"):
+        ask_for_a_build_of_what_goes_away()
 
 
 def test_a_site_is_not_removed_under_a_build_that_is_just_asked_for(database: Database) -> None:
