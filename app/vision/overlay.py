@@ -15,6 +15,8 @@ Pixels = npt.NDArray[np.uint8]
 Points = npt.NDArray[np.float64]
 
 OUTLINE = (0, 0, 0)
+TEXT_SIZE = 0.4
+TEXT_GAP_PX = 8.0
 SUBPIXEL_BITS = 4  # OpenCV draws at 1/16 px
 
 
@@ -80,11 +82,14 @@ def _cross(canvas: Pixels, centre_px: Points, colour: tuple[int, int, int], scal
 
 
 def _text(canvas: Pixels, text: str, corners_px: Points, colour: tuple[int, int, int], scale: float) -> None:
-    """Text above a group of points, with a dark rim that keeps it legible on any wall."""
-    origin = (int(corners_px[:, 0].min()), int(corners_px[:, 1].min() - 6.0 * scale))
-    for line_colour, width in ((OUTLINE, 3), (colour, 1)):
-        size, stroke = 0.45 * scale, max(1, round(width * scale))
-        cv2.putText(canvas, text, origin, cv2.FONT_HERSHEY_SIMPLEX, size, line_colour, stroke, cv2.LINE_AA)
+    """Text above a group of points, on a dark ground that keeps it legible on any wall."""
+    size = TEXT_SIZE * scale
+    (width_px, height_px), descent_px = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)
+    left = int(corners_px[:, 0].mean() - width_px / 2)
+    bottom = int(corners_px[:, 1].min() - TEXT_GAP_PX * scale)
+    ground = (left - 1, bottom - height_px - 1), (left + width_px + 1, bottom + descent_px)
+    cv2.rectangle(canvas, *ground, OUTLINE, cv2.FILLED)
+    cv2.putText(canvas, text, (left, bottom), cv2.FONT_HERSHEY_SIMPLEX, size, colour, 1, cv2.LINE_AA)
 
 
 def _fixed(points_px: Points) -> npt.NDArray[np.int32]:
