@@ -39,7 +39,8 @@ class ResectionOptions:
     min_dots : int
         Fewer measured dots of mapped targets give no pose: six leave six coordinates to check six unknowns by.
     sure_targets : int
-        So many targets that stand where a planar pose sees them leave no doubt on which side of its plate the camera is.
+        So many targets that stand where a planar pose sees them leave no doubt on which side of its plate the camera
+        is.
     start, adjustment, sampling, ambiguity, uncertainty, judgement
         Options of the steps, in their order.
     """
