@@ -59,14 +59,6 @@ def test_the_map_comes_in_every_format(served: Served, room: SurveyedRoom) -> No
     assert_problem(served.client.get(url, params={"version": 99}), 404, "not-found")
 
 
-def test_the_report_is_json_for_now(served: Served, room: SurveyedRoom) -> None:
-    url = f"/sites/{room.site_id}/report"
-    report = served.client.get(url, params={"format": "json"}).json()
-    assert (report["site_id"], report["map_version"], report["photographs_left_out"]) == (room.site_id, 1, [])
-    for format_name in ("html", "pdf"):
-        assert_problem(served.client.get(url, params={"format": format_name}), 406, "not-acceptable")
-
-
 def test_the_surveys_camera_is_listed(served: Served, room: SurveyedRoom) -> None:
     cameras = served.client.get("/cameras", params={"site_id": room.site_id}).json()["cameras"]
     (camera,) = [camera for camera in cameras if camera["map_version"] == 1]

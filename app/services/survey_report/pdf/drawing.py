@@ -30,6 +30,9 @@ class DrawingFlowable(Flowable):
         """Draw on the flowable's own canvas."""
         canvas: Canvas = self.canv
         canvas.scale(self._scale, self._scale)
+        sheet = canvas.beginPath()
+        sheet.rect(0, 0, self._drawing.width, self._drawing.height)
+        canvas.clipPath(sheet, stroke=0, fill=0)  # a gross residual's arrow ends where the sheet does, as in SVG
         canvas.setLineJoin(ROUND_JOIN)
         for shape in self._drawing.shapes:
             _draw(canvas, shape, self._drawing.height)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -17,6 +17,8 @@ from app.services.survey_report.pdf.look import CAPTION, INKS, MARK, NOTE
 SIZES = (7.5, 7.0, 6.5, 6.0, 5.5, 5.0, 4.5)
 PAD = 3.0
 LEADING = 1.3
+# The library looks at all the rows that are left on each page: in runs its time stays in proportion to the rows.
+RUN_ROWS = 400
 KEPT_ROWS = 20  # a table of no more stays on one page
 LEAST_ROOM = 80.0  # for a table's title, its head and a few rows; else it begins the next page
 LEAST_TEXT = 60.0  # a column of names is never narrower, points
@@ -36,17 +38,26 @@ class Layout:
 def table_flowables(table: Table, available: float) -> list[Flowable]:
     """Title, table, note."""
     layout = lay_out(table, available)
-    head = _head(table.columns)
-    rows = [_cells(row, table.columns, layout) for row in table.rows]
-    style = TableStyle(
-        [*_rules(table, len(head)), *_groups(table.columns, len(head)), *_type(table, layout, len(head))]
-    )
-    body = PdfTable([*head, *rows], layout.widths, style=style, repeatRows=len(head), hAlign="LEFT")
-    title = Paragraph(markup(table.title), CAPTION)
-    flowables: list[Flowable] = [title, body]
+    starts = range(0, max(len(table.rows), 1), RUN_ROWS)
+    flowables: list[Flowable] = [Paragraph(markup(table.title), CAPTION)]
+    flowables += [_body(_run(table, start), layout) for start in starts]
     if table.note:
         flowables.append(Paragraph(markup(table.note), NOTE))
-    return [KeepTogether(flowables)] if len(rows) <= KEPT_ROWS else [CondPageBreak(LEAST_ROOM), *flowables]
+    return [KeepTogether(flowables)] if len(table.rows) <= KEPT_ROWS else [CondPageBreak(LEAST_ROOM), *flowables]
+
+
+def _run(table: Table, start: int) -> Table:
+    """Some of the rows as a table of their own."""
+    end = start + RUN_ROWS
+    marked = frozenset(row - start for row in table.marked if start <= row < end)
+    return replace(table, rows=table.rows[start:end], marked=marked)
+
+
+def _body(table: Table, layout: Layout) -> PdfTable:
+    head = _head(table.columns)
+    rows = [_cells(row, table.columns, layout) for row in table.rows]
+    style = [*_rules(table, len(head)), *_groups(table.columns, len(head)), *_type(table, layout, len(head))]
+    return PdfTable([*head, *rows], layout.widths, style=TableStyle(style), repeatRows=len(head), hAlign="LEFT")
 
 
 def lay_out(table: Table, available: float) -> Layout:

@@ -1,0 +1,147 @@
+"""The page stands alone, runs nothing, shows every text as text, and can be read in light and in dark."""
+
+from __future__ import annotations
+
+import re
+from base64 import b64encode
+from hashlib import sha256
+from html.parser import HTMLParser
+
+import pytest
+
+from app.services.survey_report.document import Document
+from app.services.survey_report.html.page import CONTENT_SECURITY_POLICY, STYLE, html_of
+from app.services.survey_report.text import readable
+from tests.services.survey_report.scene import HOSTILE
+from tests.services.survey_report.texts import texts_of
+
+VOID = {"meta"}
+DRAWN = {"svg", "path", "ellipse", "text"}
+TAGS = DRAWN | {"html", "head", "meta", "title", "style", "body", "header", "nav", "main", "footer", "section"}
+TAGS |= {"h1", "h2", "h3", "p", "ol", "ul", "li", "a", "dl", "dt", "dd", "strong", "span", "small", "div"}
+TAGS |= {"table", "caption", "thead", "tbody", "tr", "th", "td", "figure", "figcaption"}
+TEXT_CONTRAST = 4.5  # WCAG 2.2, 1.4.3, level AA
+INKS_OF_TEXT = ("ink", "muted", "target", "photo", "control", "check", "error")
+
+
+class Page(HTMLParser):
+    """A page as a browser takes it apart."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: set[str] = set()
+        self.attributes: list[tuple[str, str, str]] = []
+        self.text: list[str] = []
+        self.feed(html)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text.append(data)
+
+    def handle_comment(self, data: str) -> None:
+        raise AssertionError(f"no comment is written: {data}")
+
+
+@pytest.fixture(scope="module")
+def html(document: Document) -> str:
+    return html_of(document)
+
+
+@pytest.fixture(scope="module")
+def faulty_page(faulty_document: Document) -> Page:
+    return Page(html_of(faulty_document))
+
+
+def test_the_page_is_whole_and_says_all_that_the_document_says(html: str, document: Document) -> None:
+    page = Page(html)
+    assert page.open == []
+    assert page.tags <= TAGS
+    said = set(page.text)
+    assert [text for text in texts_of(document) if text and text not in said] == []
+
+
+def test_nothing_is_fetched_and_nothing_runs(html: str) -> None:
+    page = Page(html)
+    targets = {value for _, name, value in page.attributes if name in ("href", "src", "srcset", "action", "data")}
+    assert all(value.startswith("#part-") for value in targets)
+    anchors = {f"#{value}" for _, name, value in page.attributes if name == "id"}
+    assert targets <= anchors
+    assert not {name for _, name, _ in page.attributes if name.startswith("on") or name == "style"}
+    assert not re.search(r"url\(|@import|https?:|//", STYLE)
+
+
+def test_the_policy_allows_this_style_and_nothing_else(html: str) -> None:
+    (style,) = re.findall(r"<style>(.*?)</style>", html, re.DOTALL)
+    digest = b64encode(sha256(style.encode()).digest()).decode()
+    assert f"style-src 'sha256-{digest}'" in CONTENT_SECURITY_POLICY
+    assert "default-src 'none'" in CONTENT_SECURITY_POLICY
+    assert ("meta", "content", CONTENT_SECURITY_POLICY) in Page(html).attributes
+
+
+def test_names_of_the_worst_kind_are_only_text(faulty_page: Page) -> None:
+    assert faulty_page.open == []
+    assert faulty_page.tags <= TAGS
+    assert not {name for _, name, _ in faulty_page.attributes if name.startswith("on") or name in ("style", "src")}
+    said = "\n".join(faulty_page.text)
+    for name in HOSTILE:
+        assert readable(name)[:100] in said
+
+
+def test_what_cannot_be_seen_is_shown_as_missing(faulty_page: Page) -> None:
+    said = "".join(faulty_page.text)
+    assert "turned � gpj.exe" in said
+    assert all(letter.isprintable() or letter == "\n" for letter in said)
+
+
+def test_tables_can_be_heard(html: str) -> None:
+    page = Page(html)
+    scopes = {value for tag, name, value in page.attributes if (tag, name) == ("th", "scope")}
+    assert scopes == {"col", "colgroup", "row"}
+    drawings = [value for tag, name, value in page.attributes if (tag, name) == ("svg", "aria-label")]
+    assert drawings
+    assert all(len(words) > 20 for words in drawings)
+    assert ("html", "lang", "en") in page.attributes
+
+
+def colours(block: str) -> dict[str, str]:
+    return dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", block))
+
+
+def contrast(first: str, second: str) -> float:
+    """WCAG 2.2, relative luminance and contrast ratio."""
+
+    def luminance(code: str) -> float:
+        channels = [int(code[start : start + 2], 16) / 255 for start in (1, 3, 5)]
+        linear = [value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4 for value in channels]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(first), luminance(second)))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out_from_what_is_behind_it(scheme: str) -> None:
+    light, rest = STYLE.split("@media screen and (prefers-color-scheme: dark)")
+    palette = colours(light if scheme == "light" else rest.split("* {")[0])
+    pairs = [(ink, "paper") for ink in INKS_OF_TEXT]
+    pairs += [("ink", "sheet"), ("muted", "sheet"), ("ink", "mark"), ("ink", "grave-sheet"), ("grave", "grave-sheet")]
+    assert [pair for pair in pairs if contrast(palette[pair[0]], palette[pair[1]]) < TEXT_CONTRAST] == []
+
+
+def test_print_is_light_and_broad_tables_turn_the_page() -> None:
+    assert "@media screen and (prefers-color-scheme: dark)" in STYLE
+    assert "@page wide { size: A4 landscape" in STYLE
