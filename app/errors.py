@@ -1,4 +1,4 @@
-"""One tree of exceptions. Each says what happened and what to do about it; statuses stand in one table in ``app/api``."""
+"""One tree of exceptions. Each says what happened and what to do; statuses stand in one table in ``app/api``."""
 
 from __future__ import annotations
 
