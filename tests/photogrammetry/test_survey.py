@@ -185,6 +185,18 @@ def test_two_views_give_no_map() -> None:
     failed(survey_photos(ROOM, STATIONS[:2]), "no-intersection")
 
 
+def test_codes_that_mean_nothing_give_no_map() -> None:
+    """Every code drawn at random: single targets always agree with the pose they give, two never."""
+    rng = np.random.default_rng(0)
+    photos = []
+    for photo in survey_photos(ROOM, STATIONS):
+        codes = rng.choice(40, len(photo.detection.targets), replace=False).tolist()
+        targets = tuple(replace(seen, code=code) for seen, code in zip(photo.detection.targets, codes, strict=True))
+        photos.append(replace(photo, detection=replace(photo.detection, targets=targets)))
+    with pytest.raises(SurveyFailed):
+        adjust_survey(photos, (), PLATE)
+
+
 def test_photographs_of_one_name() -> None:
     photos = survey_photos(ROOM, STATIONS[:3])
     error = failed([*photos, photos[0]], "duplicate-names")
