@@ -118,11 +118,10 @@ class Locator:
     def _record(self, request: LocateRequest, heading: Heading, outcome: LocateOutcome) -> Snapshot:
         with self._database.recording() as session:
             trajectories = TrajectoryRepository(session)
-            if request.trajectory_id is None:
-                trajectory = trajectories.default(heading.site_id, heading.device_id)
-            else:
-                trajectory = trajectories.open_one(request.trajectory_id, heading.site_id)
-            return trajectories.record(trajectory.trajectory_id, NewSnapshot(heading, outcome.outcome, outcome.seen))
+            trajectory_id = request.trajectory_id
+            if trajectory_id is None:
+                trajectory_id = trajectories.default(heading.site_id, heading.device_id).trajectory_id
+            return trajectories.record(trajectory_id, NewSnapshot(heading, outcome.outcome, outcome.seen))
 
 
 def _located_or_refused(snapshot: Snapshot) -> Snapshot:

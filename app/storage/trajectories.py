@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 
-from sqlalchemy import select
+from sqlalchemy import bindparam, select, update
 from sqlalchemy.orm import Session
 
 from app.errors import Conflict, NotFound
@@ -16,12 +17,18 @@ from app.storage.snapshots import NewSnapshot, NotFoundPose, Snapshot
 from app.storage.trajectory_parts import StoredTrajectory
 from app.storage.upsert import insert_if_absent
 
+# Built once: for a pose row that takes longer than its execution.
+DEFAULT = select(TrajectoryRow).where(TrajectoryRow.default_key == bindparam("key")).with_for_update()
+COUNT = update(TrajectoryRow).where(TrajectoryRow.id == bindparam("counted_id"))
+COUNT = COUNT.values({name: bindparam(name) for name in ("snapshot_count", "failures", "first_s", "last_s")})
+
 
 class TrajectoryRepository:
     """Trajectories of one session."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
+        self._locked: dict[str, StoredTrajectory] = {}  # until the transaction ends nobody else changes these
 
     def add(self, site_id: str, device_id: str | None, name: str) -> StoredTrajectory:
         """A new trajectory without snapshots."""
@@ -49,24 +56,19 @@ class TrajectoryRepository:
         Conflict
             When it is closed or belongs to another site.
         """
-        row = self._row(trajectory_id)
-        if row.site_id != site_id:
-            raise _refusal(trajectory_id, f"belongs to site {row.site_id}")
-        if row.closed_s is not None:
-            raise _refusal(trajectory_id, "is closed")
-        return stored_trajectory(row)
+        return _taking(self.get(trajectory_id), site_id)
 
     def default(self, site_id: str, device_id: str | None) -> StoredTrajectory:
         """The open trajectory that collects a device's snapshots of a site; made when there is none."""
         key = json.dumps([site_id, device_id])
-        # Locked: nobody closes it before the snapshot is in.
-        query = select(TrajectoryRow).where(TrajectoryRow.default_key == key).with_for_update()
-        row = self._session.scalars(query).one_or_none()
+        row = self._session.scalars(DEFAULT, {"key": key}).one_or_none()
         if row is None:
             values = _first_values(site_id, device_id, "default")
             insert_if_absent(self._session, TrajectoryRow, default_key=key, **values)  # whoever comes first makes it
-            row = self._session.scalars(query).one()
-        return stored_trajectory(row)
+            row = self._session.scalars(DEFAULT, {"key": key}).one()
+        # Locked: nobody closes it before the snapshot is in.
+        self._locked[row.id] = stored_trajectory(row)
+        return self._locked[row.id]
 
     def close(self, trajectory_id: str) -> StoredTrajectory:
         """Take no more snapshots; a trajectory that is closed stays as it is.
@@ -81,7 +83,8 @@ class TrajectoryRepository:
         if row.closed_s is None:
             row.closed_s, row.default_key = time.time(), None
             self._session.flush()
-        return stored_trajectory(row)
+        self._locked[trajectory_id] = stored_trajectory(row)
+        return self._locked[trajectory_id]
 
     def record(self, trajectory_id: str, snapshot: NewSnapshot) -> Snapshot:
         """Add a snapshot; one whose ``snapshot_id`` the site already has is not added: the first one is returned.
@@ -91,15 +94,12 @@ class TrajectoryRepository:
         Raises
         ------
         NotFound, Conflict
-            When the trajectory was deleted or closed in the meantime.
+            When the trajectory does not exist, is closed or belongs to another site.
         """
-        row = self._row(trajectory_id, lock=True)
-        if row.closed_s is not None:
-            raise _refusal(trajectory_id, "is closed")
-        place = {"id": new_id(), "trajectory_id": trajectory_id, "ordinal": row.snapshot_count + 1}
+        trajectory = _taking(self._lock(trajectory_id), snapshot.heading.site_id)
+        place = {"id": new_id(), "trajectory_id": trajectory_id, "ordinal": trajectory.snapshot_count + 1}
         if insert_if_absent(self._session, SnapshotRow, **place, **values_of_snapshot(snapshot)):
-            _count(row, snapshot)
-            self._session.flush()
+            self._count(_with(trajectory, snapshot))
             return Snapshot(str(place["id"]), trajectory_id, snapshot.heading, snapshot.outcome, snapshot.seen)
         first = self.find(snapshot.heading.site_id, str(snapshot.heading.snapshot_id))
         assert first is not None, "only a taken snapshot_id keeps a row out"
@@ -117,8 +117,24 @@ class TrajectoryRepository:
         rows = self._session.scalars(query.order_by(SnapshotRow.captured_s, SnapshotRow.ordinal).limit(limit))
         return tuple(snapshot_of_row(row) for row in rows)
 
+    def _lock(self, trajectory_id: str) -> StoredTrajectory:
+        if trajectory_id not in self._locked:
+            self._locked[trajectory_id] = stored_trajectory(self._row(trajectory_id, lock=True))
+        return self._locked[trajectory_id]
+
+    def _count(self, counted: StoredTrajectory) -> None:
+        values = {
+            "counted_id": counted.trajectory_id,
+            "snapshot_count": counted.snapshot_count,
+            "failures": dict(counted.failures),
+            "first_s": counted.first_s,
+            "last_s": counted.last_s,
+        }
+        self._session.connection().execute(COUNT, values)
+        self._locked[counted.trajectory_id] = counted
+
     def _row(self, trajectory_id: str, *, lock: bool = False) -> TrajectoryRow:
-        row = self._session.get(TrajectoryRow, trajectory_id, with_for_update=lock)
+        row = self._session.get(TrajectoryRow, trajectory_id, with_for_update=lock, populate_existing=True)
         if row is None:
             raise NotFound(
                 f"there is no trajectory {trajectory_id}; GET /trajectories lists them, and a snapshot without "
@@ -160,19 +176,30 @@ def _first_values(site_id: str, device_id: str | None, name: str) -> dict[str, o
     }
 
 
-def _count(row: TrajectoryRow, snapshot: NewSnapshot) -> None:
-    """Let a snapshot that was added stand in its trajectory's totals."""
+def _with(trajectory: StoredTrajectory, snapshot: NewSnapshot) -> StoredTrajectory:
+    """The trajectory with one more snapshot in its totals."""
     captured_s = snapshot.heading.moment.captured_s
-    row.snapshot_count += 1
-    row.first_s = captured_s if row.first_s is None else min(row.first_s, captured_s)
-    row.last_s = captured_s if row.last_s is None else max(row.last_s, captured_s)
+    failures = dict(trajectory.failures)
     if isinstance(snapshot.outcome, NotFoundPose):
-        reason = snapshot.outcome.reason
-        row.failures = {**row.failures, reason: row.failures.get(reason, 0) + 1}
+        failures[snapshot.outcome.reason] = failures.get(snapshot.outcome.reason, 0) + 1
+    return replace(
+        trajectory,
+        snapshot_count=trajectory.snapshot_count + 1,
+        failures=tuple(sorted(failures.items())),
+        first_s=captured_s if trajectory.first_s is None else min(trajectory.first_s, captured_s),
+        last_s=captured_s if trajectory.last_s is None else max(trajectory.last_s, captured_s),
+    )
 
 
-def _refusal(trajectory_id: str, why: str) -> Conflict:
-    return Conflict(
-        f"trajectory {trajectory_id} {why}; name an open one of this site or leave trajectory_id out",
-        trajectory_id=trajectory_id,
+def _taking(trajectory: StoredTrajectory, site_id: str) -> StoredTrajectory:
+    """The trajectory when it takes snapshots of the site."""
+    if trajectory.site_id != site_id:
+        why = f"belongs to site {trajectory.site_id}"
+    elif trajectory.closed_s is not None:
+        why = "is closed"
+    else:
+        return trajectory
+    raise Conflict(
+        f"trajectory {trajectory.trajectory_id} {why}; name an open one of this site or leave trajectory_id out",
+        trajectory_id=trajectory.trajectory_id,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any, TypeAlias, TypeVarTuple, cast
 
 import numpy as np
 from sqlalchemy import ColumnElement, Row, Select, case, exists, select, tuple_
@@ -28,7 +28,11 @@ from app.storage.trajectory_parts import (
 )
 from app.trajectories.trajectory import Trajectory
 
+Columns = TypeVarTuple("Columns")
+AnyRow: TypeAlias = "Row[*tuple[Any, ...]]"
+
 POSE = (SnapshotRow.x_m, SnapshotRow.y_m, SnapshotRow.z_m, SnapshotRow.rotation, SnapshotRow.covariance)
+TIMED_POSE = (SnapshotRow.captured_s, SnapshotRow.ordinal, *POSE)
 LABEL = (
     SnapshotRow.id,
     SnapshotRow.ordinal,
@@ -69,8 +73,9 @@ class TrajectoryQueries:
         self, trajectory_id: str, times: TimeRange, after: Place | None, limit: int
     ) -> tuple[Trajectory, Place | None]:
         """The poses of a time range alone, and where the next ones begin or None at the end."""
-        columns = select(SnapshotRow.captured_s, SnapshotRow.ordinal, *POSE)
-        query = in_time(columns, trajectory_id, times, after).where(SnapshotRow.reason.is_(None)).limit(limit)
+        query = (
+            in_time(select(*TIMED_POSE), trajectory_id, times, after).where(SnapshotRow.reason.is_(None)).limit(limit)
+        )
         rows = self._session.execute(query).all()
         return _poses(rows), Place(rows[-1].captured_s, rows[-1].ordinal) if len(rows) == limit else None
 
@@ -85,7 +90,7 @@ class TrajectoryQueries:
         return _part(sorted(rows, key=lambda row: (row.captured_s, row.ordinal)), None)
 
 
-def in_time(query: Select[Any], trajectory_id: str, times: TimeRange, after: Place | None) -> Select[Any]:
+def in_time(query: Select[*Columns], trajectory_id: str, times: TimeRange, after: Place | None) -> Select[*Columns]:
     """The query's rows of a trajectory and a time range, in order; the index holds them in this order."""
     captured_s = SnapshotRow.captured_s
     query = query.where(SnapshotRow.trajectory_id == trajectory_id, *_in_range(times))
@@ -126,7 +131,7 @@ def _in_box(box: Box) -> list[ColumnElement[bool]]:
     return least + [axis <= value for axis, value in zip(axes, box.greatest_m, strict=True) if math.isfinite(value)]
 
 
-def _part(rows: Sequence[Row[Any]], end: Place | None) -> TrajectoryPart:
+def _part(rows: Sequence[AnyRow], end: Place | None) -> TrajectoryPart:
     located = [row for row in rows if row.reason is None]
     failures = tuple(
         Failure(_label(row), NotFoundPose(row.reason, row.told["detail"], row.told["advice"]))
@@ -136,7 +141,7 @@ def _part(rows: Sequence[Row[Any]], end: Place | None) -> TrajectoryPart:
     return TrajectoryPart(_poses(located), tuple(_label(row) for row in located), failures, end)
 
 
-def _poses(rows: Sequence[Row[Any]]) -> Trajectory:
+def _poses(rows: Sequence[AnyRow]) -> Trajectory:
     """Columns to arrays, many rows at a time."""
     rotations = array_of_blob(b"".join(row.rotation for row in rows), len(rows), 3, 3)
     return Trajectory(
@@ -147,6 +152,6 @@ def _poses(rows: Sequence[Row[Any]]) -> Trajectory:
     )
 
 
-def _label(row: Row[Any]) -> Label:
+def _label(row: AnyRow) -> Label:
     moment = Moment(row.captured_s, cast(TimeSource, row.time_source), row.clock_delay_s)
     return Label(row.id, row.ordinal, moment, row.map_version, row.device_id, row.snapshot_id)

@@ -16,7 +16,7 @@ def sqlite_database(sqlite: SqliteDatabases) -> Iterator[Database]:
     database = Database(sqlite.migrated())
     yield database
     database.close()
-    sqlite.drop(database.url)
+    sqlite.take_back(database.url)
 
 
 @pytest.fixture
