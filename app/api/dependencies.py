@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import Depends, Path, Query, Request
-from pydantic import AfterValidator, StringConstraints
+from pydantic import AfterValidator
 
 from app.errors import NotFound
 from app.services.locate import Locator
@@ -69,17 +69,8 @@ def _plausible_id(text: str) -> str:
     return text
 
 
-def _printable(text: str) -> str:
-    if not text.isprintable():
-        raise ValueError("has characters that cannot be printed")
-    return text
-
-
 Id = Annotated[str, AfterValidator(_plausible_id)]
 PathId = Annotated[str, Path(), AfterValidator(_plausible_id)]
-Text = Annotated[
-    str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200), AfterValidator(_printable)
-]
 Version = Annotated[int, Query(ge=1, le=GREATEST_INTEGER, description="A version of the map; the active one if none.")]
 PathVersion = Annotated[int, Path(ge=1, le=GREATEST_INTEGER)]
 

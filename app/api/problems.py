@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
 from app import errors
+from app.api.allowed_methods import allowed_methods
 from app.storage.database import StorageUnavailable
 
 log = logging.getLogger(__name__)
@@ -22,6 +23,7 @@ TYPE_ROOT = "https://scattermark.dev/problems/"
 MEDIA_TYPE = "application/problem+json"
 MEMBERS = ("type", "title", "status", "detail")
 ERRORS_SHOWN = 5
+METHOD_NOT_ALLOWED = 405
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,10 @@ async def _on_validation_error(_request: Request, error: Exception) -> JSONRespo
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
     problem = http_problem(error.status_code, request.url.path, request.method, error.detail)
-    return problem_response(problem, dict(error.headers) if error.headers else None)
+    headers = dict(error.headers or {})
+    if error.status_code == METHOD_NOT_ALLOWED:
+        headers["Allow"] = allowed_methods(request.app.routes, request.url.path)
+    return problem_response(problem, headers)
 
 
 async def _on_fault(_request: Request, error: Exception) -> JSONResponse:

@@ -7,7 +7,8 @@ from typing import Annotated
 
 from fastapi import Depends, Header, Query
 
-from app.api.dependencies import Id, Paging, PathId, Running, Text
+from app.api.dependencies import Id, Paging, PathId, Running
+from app.api.schemas.texts import Text
 from app.errors import InvalidInput
 from app.services.trajectories import time_range
 from app.services.trajectory_events import first_event

@@ -20,6 +20,8 @@ from app.storage.records import MapVersion, PhotoResult, Publication
 from app.storage.sites import find_site_row
 from app.targets.layout import DOT_COUNT
 
+GREATEST_VERSION = 2**31 - 1  # of the column; Postgres refuses to compare it with more
+
 
 class TargetMapRepository:
     """Target maps of one session."""
@@ -130,7 +132,7 @@ class TargetMapRepository:
 
 
 def _version_of_cursor(key: str) -> int:
-    return int(key) if key.isdecimal() else 0
+    return min(int(key), GREATEST_VERSION) if key.isdecimal() else 0
 
 
 def _map_row(site_id: str, version: int, publication: Publication) -> TargetMapRow:

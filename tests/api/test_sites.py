@@ -49,6 +49,9 @@ def test_lists_come_in_pages(served: Served) -> None:
         ({"name": "room", "plate_u_m": 0}, "plate_u_m"),
         ({"name": "room", "plate_u_m": 14}, "plate_u_m"),  # millimetres for metres
         ({"name": "room", "plate_u_m": "wide"}, "plate_u_m"),
+        ({"name": "room", "plate_u_m": True}, "plate_u_m"),
+        ({"name": "room", "plate_u_m": "0.02"}, "plate_u_m"),
+        ({"name": "\u202emoor"}, "name"),
         ({"name": "room", "plate_size": 0.1}, "plate_size"),
         ({"name": "room", "geo_anchor": {"latitude_deg": 91, "longitude_deg": 0}}, "latitude_deg"),
     ],

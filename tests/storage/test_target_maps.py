@@ -9,7 +9,7 @@ from app.errors import Conflict, NotFound
 from app.geometry.target_map import TargetMap
 from app.storage.cameras import CameraRepository
 from app.storage.database import Database
-from app.storage.paging import PageRequest
+from app.storage.paging import PageRequest, cursor_of
 from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from tests.storage import examples
@@ -67,7 +67,9 @@ def test_versions_count_up_and_one_build_publishes_once(database: Database) -> N
     with database.reading() as session:
         first = TargetMapRepository(session).versions(site.site_id, PageRequest(2))
         rest = TargetMapRepository(session).versions(site.site_id, PageRequest(2, first.next_cursor))
+        beyond = TargetMapRepository(session).versions(site.site_id, PageRequest(2, cursor_of(str(10**30))))
     assert [version.version for version in first.items + rest.items] == [1, 2, 3]
+    assert beyond.items == ()
 
 
 def test_a_version_is_active_only_when_told(database: Database) -> None:

@@ -6,10 +6,11 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Header, Query, Response
 
-from app.api.dependencies import Id, Paging, PathId, PathVersion, ReadSession, Running, Text, Version, WriteSession
+from app.api.dependencies import Id, Paging, PathId, PathVersion, ReadSession, Running, Version, WriteSession
 from app.api.problems import problems
 from app.api.report_answer import MEDIA_TYPES, preferred_format, report_response
 from app.api.schemas.maps import CamerasAnswer, MapAnswer, MapsAnswer, TargetsAnswer
+from app.api.schemas.texts import Text
 from app.services import maps
 from app.services.report_work import ReportFormat, ReportTask
 from app.storage.cameras import CameraRepository

@@ -10,7 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from app.services.capture_time import iso_of
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+# Of JSON bodies: true is no number and "4.5" is text.
+Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+Whole = Annotated[int, Field(strict=True)]
+Truth = Annotated[bool, Field(strict=True)]
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[float], Field(min_length=4, max_length=4, description="x, y, z, w")]
 

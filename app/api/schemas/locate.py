@@ -8,8 +8,9 @@ from uuid import UUID
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Json
 
-from app.api.dependencies import Id, Text
-from app.api.schemas.common import Finite, Quaternion, Vector3, numbers_of, time_of
+from app.api.dependencies import Id
+from app.api.schemas.common import Finite, Quaternion, Vector3, Whole, numbers_of, time_of
+from app.api.schemas.texts import Text
 from app.geometry.camera import CalibratedCamera, Camera
 from app.geometry.rotation import photogrammetric_angles_deg
 from app.photogrammetry.camera_prior import camera_from_client
@@ -21,8 +22,8 @@ GREATEST_SIDE_PX = 100_000
 GREATEST_OFFSET_S = 1e10  # an epoch of 1970 instead of none: device clocks may begin anywhere
 DISTORTION_COUNTS = (0, 4, 5)  # none, k1 k2 p1 p2, or with k3
 
-Side = Annotated[int, Field(ge=1, le=GREATEST_SIDE_PX)]
-Focal = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Side = Annotated[Whole, Field(ge=1, le=GREATEST_SIDE_PX)]
+Focal = Annotated[Finite, Field(gt=0)]
 
 
 def _distortion(dist: list[float]) -> list[float]:
@@ -43,7 +44,7 @@ class ClientCamera(BaseModel):
     cx: Finite
     cy: Finite
     dist: Annotated[list[Finite], AfterValidator(_distortion)] = []
-    readout_s: Annotated[float | None, Field(ge=0, le=1)] = None
+    readout_s: Annotated[Finite | None, Field(ge=0, le=1)] = None
 
     def to_domain(self) -> CalibratedCamera:
         """The camera with a client's uncertainty."""
@@ -55,7 +56,7 @@ class ClientCamera(BaseModel):
 class LocateParameters(BaseModel):
     """What a client says of a snapshot: fields of the form, or of the query when the image is the body."""
 
-    site_id: Id
+    site_id: Annotated[Id, Field(min_length=1)]
     device_id: Text | None = None
     snapshot_id: Annotated[UUID | None, Field(description="The client's own: a repeat gets the first answer.")] = None
     captured_at: Annotated[

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import AliasChoices, BaseModel, Field, model_validator
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, model_validator
 
-from app.api.dependencies import Text
 from app.api.schemas.common import Body, Finite, Listing, numbers_of, time_of
+from app.api.schemas.texts import Text
 from app.geometry.control import ControlPoint
 from app.services.sites import SiteChange
 from app.storage.paging import Page
@@ -23,11 +23,11 @@ assert FamilyName.__args__ == FAMILY_NAMES  # type: ignore[attr-defined]
 class GeoAnchorBody(Body):
     """Where the site frame's origin stands on the Earth (WGS 84), and how it is turned."""
 
-    latitude_deg: Annotated[float, Field(ge=-90, le=90, validation_alias=AliasChoices("latitude_deg", "lat"))]
-    longitude_deg: Annotated[float, Field(ge=-180, le=180, validation_alias=AliasChoices("longitude_deg", "lon"))]
-    height_m: Annotated[float, Field(ge=-12_000, le=100_000, description="Above the ellipsoid.")] = 0.0
+    latitude_deg: Annotated[Finite, Field(ge=-90, le=90, validation_alias=AliasChoices("latitude_deg", "lat"))]
+    longitude_deg: Annotated[Finite, Field(ge=-180, le=180, validation_alias=AliasChoices("longitude_deg", "lon"))]
+    height_m: Annotated[Finite, Field(ge=-12_000, le=100_000, description="Above the ellipsoid.")] = 0.0
     azimuth_deg: Annotated[
-        float, Field(ge=-360, le=360, description="Direction of the site's Y axis, clockwise from true north.")
+        Finite, Field(ge=-360, le=360, description="Direction of the site's Y axis, clockwise from true north.")
     ] = 0.0
 
     def to_domain(self) -> GeoAnchor:
@@ -41,13 +41,15 @@ class NewSiteBody(Body):
     name: Text
     code_family: FamilyName = "golay"
     plate_u_m: Annotated[
-        float, Field(ge=0.001, le=1.0, description="Module of the printed plates: a plate's side is 13 of it.")
+        Finite, Field(ge=0.001, le=1.0, description="Module of the printed plates: a plate's side is 13 of it.")
     ] = DEFAULT_U_M
     geo_anchor: GeoAnchorBody | None = None
 
 
 class SiteChangeBody(Body):
     """What of a site shall change; code family and plate size never do."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
     name: Text | None = None
     geo_anchor: GeoAnchorBody | None = None

@@ -6,9 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
-from app.api.dependencies import GREATEST_INTEGER, Text
+from app.api.dependencies import GREATEST_INTEGER
 from app.api.problems import Problem, kind_of_slug, problem_of
-from app.api.schemas.common import Body, Listing, time_of
+from app.api.schemas.common import Body, Listing, Truth, Whole, time_of
+from app.api.schemas.texts import LongText, Text
 from app.services.build_options import BuildOptions, Exclusion
 from app.services.surveys import AddedPhoto
 from app.storage.jobs import Job
@@ -20,7 +21,7 @@ from app.targets.digits import CODE_COUNT
 class NewSurveyBody(Body):
     """A survey to be opened."""
 
-    note: Annotated[str, Field(max_length=10_000)] = ""
+    note: LongText = ""
     device_id: Annotated[Text | None, Field(description="The device that takes the photographs, if it is one.")] = None
 
 
@@ -113,7 +114,7 @@ class ExclusionBody(Body):
     """What a build shall leave out."""
 
     images: tuple[str, ...] = ()
-    codes: tuple[Annotated[int, Field(ge=0, lt=CODE_COUNT)], ...] = ()
+    codes: tuple[Annotated[Whole, Field(ge=0, lt=CODE_COUNT)], ...] = ()
     control_points: tuple[str, ...] = ()
 
 
@@ -122,9 +123,9 @@ class BuildBody(Body):
 
     exclude: ExclusionBody = ExclusionBody()
     strictness: Literal["strict", "normal", "eager"] = "normal"
-    activate: Annotated[bool, Field(description="Whether snapshots are located in the new map at once.")] = True
+    activate: Annotated[Truth, Field(description="Whether snapshots are located in the new map at once.")] = True
     base_version: Annotated[
-        int | None, Field(ge=1, le=GREATEST_INTEGER, description="The map that is extended; its datum stands.")
+        Whole | None, Field(ge=1, le=GREATEST_INTEGER, description="The map that is extended; its datum stands.")
     ] = None
 
     def to_domain(self) -> BuildOptions:

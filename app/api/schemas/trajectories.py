@@ -7,8 +7,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
-from app.api.dependencies import Id, Text
+from app.api.dependencies import Id
 from app.api.schemas.common import Body, Listing, Quaternion, Vector3, time_of
+from app.api.schemas.texts import Text
 from app.services.trajectories import TrajectoryPage
 from app.storage.paging import Page
 from app.storage.trajectory_parts import Failure, Label, StoredTrajectory, TrajectoryPart
