@@ -29,5 +29,5 @@ def test_each_peer_reads_a_tag_and_none_where_there_is_none() -> None:
 
 def test_a_missing_library_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pupil_apriltags", None)
-    with pytest.raises(PeerMissing, match="make bench"):
+    with pytest.raises(PeerMissing, match="leave --peers out"):
         open_peers()
