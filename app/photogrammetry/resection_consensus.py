@@ -37,9 +37,6 @@ class ConsensusOptions:
         Agreeing targets from which their own scatter is estimated; fewer must fit as their covariances say.
     max_scale : float
         Greatest factor by which the estimated scatter may widen the limits (3 sigmas instead of 1, squared).
-    max_unsampled_scale : float
-        The same before any sampling, when a wrong target among them may make the others scatter: of ten targets or
-        more, one within twice the limit moves the pose by less than its sigma.
     max_rounds : int
         Rounds of adjusting and testing anew.
     """
@@ -47,7 +44,6 @@ class ConsensusOptions:
     refuse_probability: float = 1e-4
     scale_targets: int = 10
     max_scale: float = 9.0
-    max_unsampled_scale: float = 2.0
     max_rounds: int = 6
 
 

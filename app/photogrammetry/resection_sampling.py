@@ -58,18 +58,14 @@ class SamplingOptions:
 def find_consensus(problem: Problem, start: Start, state: State, options: SamplingOptions | None = None) -> Consensus:
     """Who agrees: all who agree with the elected proposal, less a few; otherwise the best of the sampled."""
     options = options or SamplingOptions()
-    best = consent(problem, start.agreeing(start.elected), state, options.consensus)
-    settled = _settle_by_scatter(problem, best, options)
-    if not best.fits and not settled.has_share(options.sure_share):
+    limits = options.consensus
+    best = settle(problem, consent(problem, start.agreeing(start.elected), state, limits), limits)
+    if not (best.fits and best.has_share(options.sure_share)):
         best = _best(_candidates(problem, start, options), options)
-        settled = _settle_by_scatter(problem, best, options)
+    # Only now: while wrong targets take part, the others scatter because of them.
+    scale = own_scatter(problem, best, limits)
+    settled = settle(problem, replace(best, excess=best.excess / scale), limits, scale)
     return replace(settled, contested=best.contested)
-
-
-def _settle_by_scatter(problem: Problem, consensus: Consensus, options: SamplingOptions) -> Consensus:
-    """Settle under limits as wide as the agreeing targets scatter."""
-    scale = own_scatter(problem, consensus, options.consensus)
-    return settle(problem, replace(consensus, excess=consensus.excess / scale), options.consensus, scale)
 
 
 def _candidates(problem: Problem, start: Start, options: SamplingOptions) -> list[Consensus]:

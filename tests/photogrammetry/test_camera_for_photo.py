@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.errors import NotLocated
@@ -21,6 +21,7 @@ def calibrated() -> CalibratedCamera:
 
 
 @given(factor=st.sampled_from([1 / 3, 0.5, 2.0, 2.1]))
+@settings(deadline=None)
 def test_scaling_moves_pixels_as_resampling_does(factor: float) -> None:
     camera = calibrated().camera
     (resized,) = cameras_for_photo(calibrated(), round(1920 * factor), round(1080 * factor))

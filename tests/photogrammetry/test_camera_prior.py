@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.errors import NotLocated
@@ -31,6 +31,7 @@ def phone(sigma: float) -> CalibratedCamera:
 
 
 @given(size=sizes, focal_35mm=st.integers(20, 120))
+@settings(deadline=None)
 def test_exif_prior_covers_both_conventions_within_its_sigma_and_a_half(size: tuple[int, int], focal_35mm: int) -> None:
     calibrated = camera_from_exif(identity(*size, focal_35mm))
     focal_px, sigma_px = calibrated.camera.fx_px, np.sqrt(calibrated.covariance[0, 0])
@@ -43,6 +44,7 @@ def test_exif_prior_covers_both_conventions_within_its_sigma_and_a_half(size: tu
 
 
 @given(size=sizes)
+@settings(deadline=None)
 def test_exif_prior_is_centred_square_and_positive_definite(size: tuple[int, int]) -> None:
     calibrated = camera_from_exif(identity(*size, 27.0))
     fx, fy, cx, cy, *distortion = calibrated.camera.intrinsics
