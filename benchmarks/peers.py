@@ -72,7 +72,7 @@ def _april_tag(decimate: float) -> Peer:
         library = import_module("pupil_apriltags")
     except ModuleNotFoundError as error:
         raise PeerMissing(
-            "AprilTag 3 is not installed: pip install '.[bench]' (it exists for Python 3.11 to 3.13), or leave --peers out"
+            "AprilTag 3 is not installed: pip install '.[bench]' (for Python 3.11 to 3.13), or leave --peers out"
         ) from error
     detector = library.Detector(families=FAMILY, nthreads=1, quad_decimate=decimate)
     return Peer(f"AprilTag 3, 1/{decimate:g}", lambda grey: len(detector.detect(grey)))
