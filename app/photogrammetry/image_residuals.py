@@ -23,15 +23,21 @@ class ResidualPlotOptions:
 
     Attributes
     ----------
-    cells : int
-        Square cells along the image's longer side: a cell of a 1080p photograph is then as wide as a plate at 2 m.
+    dots_per_cell : float
+        Dots that a cell should hold on average: the noise of their mean is a tenth of a dot's, or more of what the dots
+        of a plate share.
+    fewest_cells, most_cells : int
+        Square cells along the image's longer side, at least to tell middle and corners apart, at most as many as a
+        reader can take in.
     bins : int
         Of the histogram.
     bin_sigmas : float
         Width of a bin in root mean squares: 32 bins of a quarter reach from -4 to 4.
     """
 
-    cells: int = 16
+    dots_per_cell: float = 100.0
+    fewest_cells: int = 4
+    most_cells: int = 16
     bins: int = 32
     bin_sigmas: float = 0.25
 
@@ -98,7 +104,7 @@ def _of_camera(
     dots_px: Array, residuals_px: Array, weights: Array, size_px: tuple[int, int], options: ResidualPlotOptions
 ) -> ImageResiduals:
     """Cells and histogram of N dots (N, 2)."""
-    cell_px = max(size_px) / options.cells
+    cell_px = _cell_px(len(dots_px), size_px, options)
     columns, rows = (int(np.ceil(side / cell_px)) for side in size_px)
     place = np.floor((dots_px + PIXEL_EDGE_PX) / cell_px).astype(np.intp)
     cell = place[:, 1].clip(0, rows - 1) * columns + place[:, 0].clip(0, columns - 1)
@@ -115,6 +121,12 @@ def _of_camera(
         bin_px,
         _histogram(residuals_px, bin_px, options.bins),
     )
+
+
+def _cell_px(dots: int, size_px: tuple[int, int], options: ResidualPlotOptions) -> float:
+    """Side of a cell that holds as many dots as are wanted on average."""
+    wanted = np.sqrt(dots / options.dots_per_cell * max(size_px) / min(size_px))
+    return max(size_px) / int(np.clip(wanted, options.fewest_cells, options.most_cells))
 
 
 def _histogram(residuals_px: Array, bin_px: float, bins: int) -> Index:

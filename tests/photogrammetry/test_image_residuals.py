@@ -43,13 +43,22 @@ def test_a_shifted_principal_point_shows_in_every_cell(exact: Truth) -> None:
 
 def test_dots_are_counted_where_they_lie(exact: Truth) -> None:
     found = found_in(exact, exact.network)
-    cells = ResidualPlotOptions().cells
+    rows, cells = found.counts.shape
     assert found.cell_px == pytest.approx(CAMERA.width_px / cells)
-    assert found.counts.shape == (int(np.ceil(CAMERA.height_px / found.cell_px)), cells)
+    assert rows == int(np.ceil(CAMERA.height_px / found.cell_px))
     measured = exact.problem.sightings.measured
     assert found.counts.sum() == measured.sum()
     left = exact.problem.sightings.dots_px[measured][:, 0] + 0.5 < found.cell_px * (cells // 2)
     assert found.counts[:, : cells // 2].sum() == left.sum()
+
+
+def test_few_dots_get_large_cells(exact: Truth) -> None:
+    sightings = exact.problem.sightings.select(slice(0, 30))
+    found = found_in(replace(exact, sightings=sightings), exact.network)
+    mean = sightings.measured.sum() / found.counts.size
+    options = ResidualPlotOptions()
+    assert found.counts.shape[1] >= options.fewest_cells
+    assert mean >= options.dots_per_cell / 2 or found.counts.shape[1] == options.fewest_cells
 
 
 def test_dots_without_weight_do_not_move_the_mean(exact: Truth) -> None:

@@ -14,6 +14,7 @@ from app.photogrammetry.image_residuals import ImageResiduals
 from app.services.survey_report.document import Figure
 from app.services.survey_report.drawing import Ellipse, Label, Path, Pen, Shape, arrow
 from app.services.survey_report.figures.axes import Axes, digits_of_step, nice_step, ticks
+from app.services.survey_report.figures.labels import legible
 from app.services.survey_report.figures.photo_residuals import photo_residuals
 from app.services.survey_report.figures.plan_view import PlanOptions, plan_view
 from app.services.survey_report.figures.residual_field import FieldOptions, residual_field
@@ -83,16 +84,21 @@ def test_the_plan_keeps_the_sites_shape(good: ReportMaterial) -> None:
 
 def test_residuals_of_points_point_where_they_point(good: ReportMaterial) -> None:
     figure = plan_view(good)
-    shapes = figure.drawing.shapes
     scale = points_per_m(figure, good.target_map.targets) * enlargement(figure)
-    names = [shape.text if isinstance(shape, Label) else "" for shape in shapes]
-    for point in good.report.control:
-        shaft, head = shapes[names.index(point.name) - 2 : names.index(point.name)]  # the name is drawn last
-        assert isinstance(shaft, Path)
-        assert isinstance(head, Path)
+    heads = [path for path in paths(figure.drawing.shapes, "error") if path.closed]
+    for point, head in zip(good.report.control, heads, strict=False):  # the last head is the key's
         assert point.residual_m is not None
-        drawn = head.points[0] - shaft.points[0]
-        np.testing.assert_allclose(drawn, scale * point.residual_m[:2] * [1.0, -1.0], rtol=1e-6)
+        step = scale * point.residual_m[:2] * [1.0, -1.0]
+        place = symbol_of(figure, head.points[0] - step)
+        np.testing.assert_allclose(head.points[0] - step, place, atol=1e-6)
+
+
+def symbol_of(figure: Figure, near: Array) -> Array:
+    """Where the nearest point's symbol stands."""
+    circles = [ellipse.centre for ellipse in ellipses(figure, "check")]
+    triangles = [path.points.mean(axis=0) for path in paths(figure.drawing.shapes, "control") if path.closed]
+    places = np.array([*circles, *triangles])
+    return np.asarray(places[np.hypot(*(places - near).T).argmin()])
 
 
 def test_labels_are_left_out_where_they_would_hide_each_other(good: ReportMaterial) -> None:
@@ -102,6 +108,22 @@ def test_labels_are_left_out_where_they_would_hide_each_other(good: ReportMateri
     code = str(good.target_map.targets[0].code)
     assert code in labels(PlanOptions())
     assert code not in labels(PlanOptions(most_labels=3))
+
+
+def test_photographs_are_numbered_as_in_their_table(good: ReportMaterial) -> None:
+    figure = plan_view(replace(good, photos=good.photos[::-1]))  # the database orders them its own way
+    labels = {
+        shape.text: shape.at for shape in figure.drawing.shapes if isinstance(shape, Label) and shape.ink == "photo"
+    }
+    places = np.array([ellipse.centre for ellipse in ellipses(figure, "photo")])[::-1]
+    for number, place in enumerate(places, start=1):
+        assert np.hypot(*(labels[str(number)] - place)) < 12.0  # it stands beside its photograph
+
+
+def test_no_label_covers_another() -> None:
+    places = [(0.0, 0.0), (10.0, 2.0), (40.0, 0.0), (0.0, 9.0)]
+    labels = [Label(np.array(place), "12345", size=8.0) for place in places]
+    assert legible(labels) == [labels[0], labels[2], labels[3]]
 
 
 def field(mean_px: Array, counts: int = 100) -> ImageResiduals:

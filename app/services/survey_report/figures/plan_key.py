@@ -26,7 +26,7 @@ ENTRIES: Sequence[tuple[Ink, str, float]] = (
 def symbol(place: Array, ink: Ink) -> tuple[Shape, ...]:
     """A triangle for a control point, a circle for a check point."""
     if ink == "control":
-        corners = SYMBOL * np.array([[0.0, -1.15], [1.0, 0.6], [-1.0, 0.6]])
+        corners = SYMBOL * np.array([[0.0, -1.2], [1.0, 0.6], [-1.0, 0.6]])
         return (Path(place + corners, Pen(ink, 1.1), closed=True),)
     return (Ellipse(place, np.full(2, 0.85 * SYMBOL), 0.0, Pen(ink, 1.1)),)
 

@@ -7,14 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from app.geometry.pose import Pose
 from app.geometry.target_map import MappedTarget
 from app.photogrammetry.report import ControlRecord
 from app.services.survey_report.document import Figure
 from app.services.survey_report.drawing import Drawing, Ellipse, Ink, Label, Path, Pen, Shape, arrow, rectangle
 from app.services.survey_report.figures.axes import Axes, digits_of_step, nice_step
+from app.services.survey_report.figures.labels import legible
 from app.services.survey_report.figures.plan_key import SYMBOL, WEDGE, legend, scale_bar, symbol
 from app.services.survey_report.material import ReportMaterial
 from app.services.survey_report.numbers import MM_PER_M, count, fixed, nice_below
+from app.storage.records import PhotoResult
 from app.targets.layout import PLATE_SIDE_U
 
 Array = npt.NDArray[np.float64]
@@ -33,7 +36,7 @@ class PlanOptions:
     ellipse : float
         Semi-axis of a typical ellipse, points: large enough to see its shape.
     most_labels : int
-        Targets, and photographs, beyond which they are not labelled: their labels would hide each other.
+        Targets, and photographs, beyond which they are not labelled: most labels would cover each other.
     """
 
     width: float = 500.0
@@ -89,8 +92,9 @@ class _Plan:
         return [
             *self._grid(),
             *(shape for target in self.material.target_map.targets for shape in self._target(target)),
-            *(shape for index, _ in enumerate(self.photos) for shape in self._photo(index)),
+            *(shape for photo in self.photos for shape in self._photo(photo)),
             *(shape for point in self.material.report.control for shape in self._point(point)),
+            *legible([*self._names(), *self._photo_numbers(), *self._codes()]),
             *self._scale_bars(),
             *legend(self.axes.corner + np.array([0.0, self.axes.size[1] + LEGEND_BELOW])),
         ]
@@ -135,43 +139,55 @@ class _Plan:
         corners_m = half_m * np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
         pose = target.site_from_target
         outline = Path(self.axes.place(pose.apply(corners_m)[:, :2]), Pen("target", 1.4), closed=True)
-        shapes: list[Shape] = [self._ellipse(pose.position_m, self._covariance(target), "target"), outline]
-        if len(self.material.target_map.targets) <= self.options.most_labels:
-            shapes.append(self._behind(pose.position_m, -pose.rotation[:, 2], str(target.code)))
-        return shapes
+        return [self._ellipse(pose.position_m, self._covariance(target), "target"), outline]
 
-    def _photo(self, index: int) -> list[Shape]:
-        photo = self.photos[index]
+    def _photo(self, photo: PhotoResult) -> list[Shape]:
         if photo.site_from_cam is None or photo.covariance is None:
             return []
         place_m, view = photo.site_from_cam.position_m, photo.site_from_cam.rotation[:, 2]
         along = np.array([view[0], -view[1]])  # on the sheet y points down
         turn = np.array([along, [-along[1], along[0]]])
         wedge = Path(self.axes.place(place_m[:2]) + WEDGE @ turn, Pen("photo", 0.7), closed=True)
-        shapes: list[Shape] = [self._ellipse(place_m, photo.covariance[:2, :2], "photo"), wedge]
-        if len(self.photos) <= self.options.most_labels:
-            shapes.append(self._behind(place_m, -view, str(index + 1), "photo"))
-        return shapes
+        return [self._ellipse(place_m, photo.covariance[:2, :2], "photo"), wedge]
 
-    def _behind(self, place_m: Array, backwards: Array, text: str, ink: Ink = "target") -> Label:
-        """A label on the far side of what looks the other way."""
+    def _names(self) -> list[Label]:
+        return [self._name(point) for point in self._seen()]
+
+    def _photo_numbers(self) -> list[Label]:
+        """As in the table of the photographs."""
+        poses = {photo.name: photo.site_from_cam for photo in self.photos}
+        if len(poses) > self.options.most_labels:
+            return []
+        numbered = [(poses[photo.name], number) for number, photo in enumerate(self.material.report.photos, start=1)]
+        return [self._behind(pose, str(number), "photo") for pose, number in numbered if pose is not None]
+
+    def _codes(self) -> list[Label]:
+        targets = self.material.target_map.targets
+        if len(targets) > self.options.most_labels:
+            return []
+        return [self._behind(target.site_from_target, str(target.code), "target") for target in targets]
+
+    def _behind(self, pose: Pose, text: str, ink: Ink) -> Label:
+        """A label behind what looks along its z."""
+        backwards = -pose.rotation[:, 2]
         length = float(np.hypot(*backwards[:2]))
         step = np.array([backwards[0], -backwards[1]]) / max(length, 1.0) * LABEL_SIZE
-        anchor = self.axes.place(place_m[:2]) + 1.4 * step + np.array([0.0, 0.35 * LABEL_SIZE])
+        anchor = self.axes.place(pose.position_m[:2]) + 1.4 * step + np.array([0.0, 0.35 * LABEL_SIZE])
         side = step[0] / LABEL_SIZE
         return Label(anchor, text, ink, LABEL_SIZE, "start" if side > 0.5 else "end" if side < -0.5 else "middle")
 
     def _point(self, point: ControlRecord) -> list[Shape]:
         if point.residual_m is None:
             return []
-        ink: Ink = "control" if point.role == "control" else "check"
+        ink = _ink(point)
         place = self.axes.place(point.position_m[:2])
         residual = self.enlargement * point.residual_m[:2] * self.axes.points_per_unit * np.array([1.0, -1.0])
-        return [*symbol(place, ink), *arrow(place, residual, Pen("error", 0.9)), self._name(point.name, place, ink)]
+        return [*symbol(place, ink), *arrow(place, residual, Pen("error", 0.9))]
 
-    def _name(self, name: str, place: Array, ink: Ink) -> Label:
+    def _name(self, point: ControlRecord) -> Label:
         """Beside a point, on the side that has room."""
-        text = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+        ink, place = _ink(point), self.axes.place(point.position_m[:2])
+        text = point.name if len(point.name) <= LONGEST_NAME else f"{point.name[: LONGEST_NAME - 1]}…"
         left = place[0] > self.axes.corner[0] + NAMED_LEFT_FROM * self.axes.size[0]
         beside = np.array([-SYMBOL - 1.5 if left else SYMBOL + 1.5, -SYMBOL])
         return Label(place + beside, text, ink, LABEL_SIZE + 0.5, "end" if left else "start")
@@ -194,6 +210,10 @@ class _Plan:
             *scale_bar(at, plan_m * per_m, f"{plan_m:g} m in the plan", "ink"),
             *scale_bar(second, error_m * self.enlargement * per_m, errors, "error"),
         ]
+
+
+def _ink(point: ControlRecord) -> Ink:
+    return "control" if point.role == "control" else "check"
 
 
 def _axes(places_m: Array, options: PlanOptions) -> Axes:

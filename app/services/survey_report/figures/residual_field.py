@@ -26,13 +26,13 @@ class FieldOptions:
     side : float
         Longer side of the image on the sheet, points.
     fewest_dots : int
-        Dots below which a cell shows no arrow: the dots of a plate err together, so three plates at least.
+        Dots below which a cell shows no arrow: the dots of a plate err together, so two plates at least.
     arrow : float
         Length of a long arrow (95 of 100 are shorter), in cells.
     """
 
-    side: float = 440.0
-    fewest_dots: int = 48
+    side: float = 400.0
+    fewest_dots: int = 32
     arrow: float = 0.9
 
 
@@ -58,7 +58,7 @@ def residual_field(camera: CameraRecord, found: ImageResiduals, options: FieldOp
     enlargement = nice_below(options.arrow * found.cell_px / longest_px) if longest_px > 0 else 1.0
     shapes: list[Shape] = [rectangle(MARGIN, MARGIN + axes.size, FRAME)]
     for (row, column), arrows in np.ndenumerate(shown):
-        centre = axes.place(found.cell_px * (np.array([column, row]) + 0.5))
+        centre = axes.place(_middle_px(np.array([column, row]), found.cell_px, size_px))
         if arrows:
             shapes.extend(arrow(centre, found.mean_px[row, column] * enlargement * points_per_px, ARROW))
         else:
@@ -73,6 +73,11 @@ def residual_field(camera: CameraRecord, found: ImageResiduals, options: FieldOp
     )
     description = f"{int(shown.sum())} arrows over the image, 95 of 100 shorter than {fixed(longest_px, 3)} px."
     return Figure(drawing, caption, description)
+
+
+def _middle_px(cell: Array, cell_px: float, size_px: Array) -> Array:
+    """The middle of what the image has of a cell (column, row): the last ones may reach beyond it."""
+    return np.asarray((cell_px * cell + np.minimum(cell_px * (cell + 1), size_px)) / 2.0)
 
 
 def _bar(axes: Axes, enlargement: float, longest_px: float) -> list[Shape]:

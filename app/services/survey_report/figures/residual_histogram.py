@@ -13,7 +13,7 @@ from app.services.survey_report.numbers import count, fixed
 
 Array = npt.NDArray[np.float64]
 
-WIDTH, HEIGHT = 440.0, 170.0
+WIDTH, HEIGHT = 440.0, 150.0
 CORNER = np.array([42.0, 8.0])
 FOOT = 30.0
 BARS = Pen("target", 0.5, filled=True)
