@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.observations import Rejected, TargetObservation
+from app.targets.digits import digits_of_code
 from app.targets.family import UNDECODABLE, CodeFamily
-from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+from app.targets.layout import BASE_CELLS, DIGIT_CELLS, DOT_COUNT
 from app.vision.centres import DotCentres
 from app.vision.inks import HIDDEN_DIGIT, InkReading
 from app.vision.judgement import COLOUR_REASONS, REASON_TEXT, Judgement
@@ -110,19 +111,29 @@ def read_plates(
         if not reason and code in targets:
             reason = "duplicate-code"
         if not reason:
-            targets[code] = _target(plates, plate, (code, corrected, erased))
+            measured = plates.dots.measured[plate] & _shows_its_ink(code, digits[plate])
+            targets[code] = _target(plates, plate, (code, corrected, erased), measured)
         elif reason not in COLOUR_REASONS or explained[plate] > options.report_explained_min:
             rejected.append(_rejected(plates, plate, reason, code if reason == "duplicate-code" else None))
     return tuple(targets.values()), tuple(rejected)
 
 
-def _target(plates: MeasuredPlates, plate: np.intp, decoded: tuple[int, int, int]) -> TargetObservation:
+def _shows_its_ink(code: int, digits: npt.NDArray[np.int8]) -> npt.NDArray[np.bool_]:
+    """Which dots look as the code says, shape (16,): what covers a hidden or mended one has a centre of its own."""
+    shows = np.ones(DOT_COUNT, dtype=np.bool_)
+    shows[DIGITS] = digits == digits_of_code(code)
+    return shows
+
+
+def _target(
+    plates: MeasuredPlates, plate: np.intp, decoded: tuple[int, int, int], measured: npt.NDArray[np.bool_]
+) -> TargetObservation:
     code, corrected, erased = decoded
     return TargetObservation(
         code=code,
         centres_px=plates.dots.centres_px[plate],
         covariances_px2=plates.covariances_px2[plate],
-        measured=plates.dots.measured[plate],
+        measured=measured,
         corrected=corrected,
         erased=erased,
         rms_px=float(plates.judgement.rms_px[plate]),
