@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 from app.services.maps import adjustment_report
 from app.services.survey_report.compose import compose
@@ -16,7 +16,6 @@ from app.services.survey_report.pdf.file import pdf_of
 from app.services.workbench import workbench
 
 ReportFormat = Literal["html", "json", "pdf"]
-REPORT_FORMATS: tuple[ReportFormat, ...] = get_args(ReportFormat)
 
 
 @dataclass(frozen=True)

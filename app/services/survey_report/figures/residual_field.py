@@ -65,14 +65,17 @@ def residual_field(camera: CameraRecord, found: ImageResiduals, options: FieldOp
             shapes.append(Ellipse(centre, np.full(2, EMPTY_RADIUS), 0.0, EMPTY))
     shapes.extend(_bar(axes, enlargement, longest_px))
     drawing = Drawing(float(axes.size[0] + 2 * MARGIN[0]), float(axes.size[1]) + FOOT, tuple(shapes))
-    caption = (
+    description = f"{int(shown.sum())} arrows over the image, 95 of 100 shorter than {fixed(longest_px, 3)} px."
+    return Figure(drawing, _caption(camera, found, enlargement, options.fewest_dots), description)
+
+
+def _caption(camera: CameraRecord, found: ImageResiduals, enlargement: float, fewest_dots: int) -> str:
+    return (
         f"Mean residuals (computed minus observed) over the image of {camera.width_px} x {camera.height_px} px, in "
         f"cells of {fixed(found.cell_px, 0)} px, enlarged {count(round(enlargement))} times. Cells with fewer than "
-        f"{options.fewest_dots} of the {count(int(found.counts.sum()))} dots show a point. Arrows that follow a "
-        "pattern would mean distortion that the camera's model lacks."
+        f"{fewest_dots} of the {count(int(found.counts.sum()))} dots show a point. Arrows that follow a pattern would "
+        "mean distortion that the camera's model lacks."
     )
-    description = f"{int(shown.sum())} arrows over the image, 95 of 100 shorter than {fixed(longest_px, 3)} px."
-    return Figure(drawing, caption, description)
 
 
 def _middle_px(cell: Array, cell_px: float, size_px: Array) -> Array:
