@@ -123,7 +123,9 @@ def _translated() -> Iterator[None]:
     except IntegrityError as error:
         if getattr(error.orig, "sqlstate", None) != FOREIGN_KEY_VIOLATION:
             raise
-        raise Conflict("what this belongs to was removed in the meantime; read it again and start from there") from error
+        raise Conflict(
+            "what this belongs to was removed in the meantime; read it again and start from there"
+        ) from error
 
 
 def _wait_for_other_migrations(connection: Connection) -> None:

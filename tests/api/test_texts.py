@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -14,7 +15,7 @@ from app.api.schemas.texts import LongText, Text
 
 @pytest.mark.parametrize("kind", [Text, LongText])
 @given(text=st.text(max_size=20))
-def test_what_the_schema_takes_is_taken(kind: object, text: str) -> None:
+def test_what_the_schema_takes_is_taken(kind: Any, text: str) -> None:
     adapter: TypeAdapter[str] = TypeAdapter(kind)
     if re.search(adapter.json_schema()["pattern"], text):
         adapter.validate_python(text)
@@ -22,7 +23,7 @@ def test_what_the_schema_takes_is_taken(kind: object, text: str) -> None:
 
 @pytest.mark.parametrize("kind", [Text, LongText])
 @given(text=st.text(max_size=20))
-def test_what_is_taken_can_be_stored_and_fits_the_schema(kind: object, text: str) -> None:
+def test_what_is_taken_can_be_stored_and_fits_the_schema(kind: Any, text: str) -> None:
     adapter: TypeAdapter[str] = TypeAdapter(kind)
     try:
         kept = adapter.validate_python(text)

@@ -127,7 +127,7 @@ def test_a_cell_as_long_as_a_book_is_refused() -> None:
 
 def test_a_datum_takes_three_control_points_off_one_line_or_none() -> None:
     def points(*rows: dict[str, Any]) -> Any:
-        return points_of_records(rows, GOLAY)
+        return points_of_records(list(rows), GOLAY)
 
     check_datum(())
     check_datum(points(row(0), row(1), row(2)))

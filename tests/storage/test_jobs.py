@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from app.errors import NotFound
@@ -52,7 +54,7 @@ def test_a_job_ends_once(database: Database, end: str) -> None:
     with database.writing() as session:
         jobs = JobRepository(session)
         jobs.claim(job.job_id, "host/1")
-        first = {
+        first: Callable[[], bool] = {
             "succeed": lambda: jobs.succeed(job.job_id, {}),
             "fail": lambda: jobs.fail(job.job_id, {}),
             "cancel": lambda: jobs.cancel(job.job_id),

@@ -10,7 +10,7 @@ from app.geometry.control import ControlPoint
 from app.storage.database import Database
 from app.storage.models import Base
 from app.storage.paging import PageRequest
-from app.storage.records import GeoAnchor
+from app.storage.records import GeoAnchor, Site
 from app.storage.sites import SiteRepository
 from app.storage.surveys import SurveyRepository
 from app.storage.target_maps import TargetMapRepository
@@ -53,7 +53,8 @@ def test_a_site_can_be_renamed_and_anchored(database: Database) -> None:
 def test_pages_follow_each_other_without_gap_or_repeat(database: Database) -> None:
     with database.writing() as session:
         made = [SiteRepository(session).add(f"site {index}", "golay", 0.014, None) for index in range(5)]
-    found, cursor = [], None
+    found: list[Site] = []
+    cursor = None
     with database.reading() as session:
         while True:
             page = SiteRepository(session).page(PageRequest(2, cursor))
