@@ -109,33 +109,45 @@ def detect(
         Targets with unique codes, and what was refused with its reason.
     """
     height_px, width_px = bgr.shape[:2]
-    blobs = find_red_blobs(bgr, options.dots)
-    least_focal_px = options.least_focal_share * max(height_px, width_px)
-    groups = promising(bgr, blobs, group_base_dots(blobs, least_focal_px, options.grouping), options.proposals)
-    free = np.setdiff1d(np.arange(len(blobs)), groups)
-    blobs, completed = complete_groups(blobs, free, options.hidden_dots)
-    groups = np.concatenate([groups, promising(bgr, blobs, completed, options.proposals)])
-    if not len(groups):
+    first = _candidates(bgr, options)
+    if not len(first.px_per_u):
         return Detection(width_px, height_px, ())
-    plates = _measure(bgr, blobs, groups, options)
+    plates = _measure(bgr, first, options)
     targets, rejected = read_plates(plates, CodeBook(family, options.strictness, known_codes), options.reading)
     return Detection(width_px, height_px, targets, rejected)
 
 
-def _measure(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> MeasuredPlates:
-    """Fit all candidates, keep those that share no dot with a better one, fit them again from the refined places."""
-    # At first sight single pixels of the full photograph tell colours and places well enough.
-    full = Pyramid.of(bgr, 1)
-    rough = take_patches(full, image_from_corner_dots(blobs.centres_px[groups[:, :4]]), PatchGrid.ROUGH)
-    first = fit_patches(rough, np.full(len(groups), options.blur_px))
-    first = first.select(one_dot_one_target(groups, first.explained()))
-    refined = _refined(first, full.size_px, options)
+def _candidates(bgr: Pixels, options: DetectorOptions) -> PlateFits:
+    """Whatever may be a plate, at first sight; none shares a dot with one that fits better."""
+    blobs = find_red_blobs(bgr, options.dots)
+    least_focal_px = options.least_focal_share * max(bgr.shape[:2])
+    groups = promising(bgr, blobs, group_base_dots(blobs, least_focal_px, options.grouping), options.proposals)
+    fits = _first_look(bgr, blobs, groups, options)
+    # Five dots of several plates may pass for a group, but not keep their dots from a plate with a hidden one.
+    claimed = groups[fits.explained() > options.judgement.explained_min]
+    blobs, completed = complete_groups(blobs, np.setdiff1d(np.arange(len(blobs)), claimed), options.hidden_dots)
+    completed = promising(bgr, blobs, completed, options.proposals)
+    fits = PlateFits.joined([fits, _first_look(bgr, blobs, completed, options)])
+    return fits.select(one_dot_one_target(np.concatenate([groups, completed]), fits.explained()))
+
+
+def _first_look(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> PlateFits:
+    """Rough fits: single pixels of the full photograph tell colours and places well enough."""
+    image_from_plate = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
+    patches = take_patches(Pyramid.of(bgr, 1), image_from_plate, PatchGrid.ROUGH)
+    return fit_patches(patches, np.full(len(groups), options.blur_px))
+
+
+def _measure(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> MeasuredPlates:
+    """Fit all candidates again from the places that the first look found, and judge them."""
+    size_px = (bgr.shape[1], bgr.shape[0])
+    refined = _refined(first, size_px, options)
     pyramid = _pyramid(bgr, first, options)
     patches = SizedPatches.of(pyramid, refined)
-    blur_px = _choose_blur(patches, full.size_px, options)
+    blur_px = _choose_blur(patches, size_px, options)
     fits = patches.fit(blur_px)
     inks = read_inks(fits.amplitudes, options.inks)
-    dots = locate_dots(fits, inks, full.size_px, options.centres)
+    dots = locate_dots(fits, inks, size_px, options.centres)
     refined = refine_homographies(fits, dots)
     judgement = judge_plates(fits, dots, inks, refined, options.judgement)
     suspects = np.flatnonzero(judgement.stands & lacks_red(fits, options.judgement).any(axis=1))

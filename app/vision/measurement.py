@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -52,6 +53,11 @@ class PlateFits:
         """The fits of some plates."""
         return PlateFits(*(getattr(self, part.name)[chosen] for part in fields(self)))
 
+    @classmethod
+    def joined(cls, parts: Sequence[PlateFits]) -> PlateFits:
+        """The fits of several lots of plates, one after the other."""
+        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
+
     def explained(self) -> Array:
         """Part of the samples' variance that the model explains, shape (P,), over all channels."""
         return 1.0 - self.residual_rms**2 / np.maximum(self.spread_rms**2, 1.0)
@@ -84,10 +90,7 @@ class SizedPatches:
     def fit(self, blur_px: float) -> PlateFits:
         """Fit all plates under one blur (standard deviation in the photograph's own pixels), in the plates' order."""
         fits = [fit_patches(part, np.full(len(part.samples), blur_px)) for part in self.parts]
-        position = np.argsort(self.plates)
-        return PlateFits(
-            *(np.concatenate([getattr(part, field.name) for part in fits])[position] for field in fields(PlateFits))
-        )
+        return PlateFits.joined(fits).select(np.argsort(self.plates))
 
     def fit_some(self, count: int, blurs_px: tuple[float, ...]) -> PlateFits:
         """A few plates of the smaller kind fitted under every blur; blur by blur, shape (B * few, ...)."""
