@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from app.geometry.observations import Detection
 from app.targets.family import CodeFamily
+from app.targets.layout import BASE_CELLS
 from app.vision.centres import (
     CentreOptions,
     calibrated_covariances,
@@ -31,7 +32,6 @@ from app.vision.judgement import (
     judge_plates,
     lacks_red,
     misfit_px,
-    missing_in_plain_view,
     one_dot_one_target,
 )
 from app.vision.measurement import PlateFits, SizedPatches, fit_patches
@@ -150,12 +150,12 @@ def _measure(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Measure
     dots = locate_dots(fits, inks, size_px, options.centres)
     refined = refine_homographies(fits, dots)
     judgement = judge_plates(fits, dots, inks, refined, options.judgement)
-    suspects = np.flatnonzero(judgement.stands & lacks_red(fits, options.judgement).any(axis=1))
+    lacking = lacks_red(fits, inks, options.judgement) & dots.inside[:, list(BASE_CELLS)]
+    suspects = np.flatnonzero(judgement.stands & lacking.any(axis=1))
     if len(suspects):
         # A hidden base dot is forgiven, a missing one is not.
-        few = fits.select(suspects)
-        covered = covered_base_dots(bgr, few, refined[suspects], options.covering)
-        missing = suspects[missing_in_plain_view(few, dots.select(suspects), covered, options.judgement)]
+        covered = covered_base_dots(bgr, fits.select(suspects), refined[suspects], options.covering)
+        missing = suspects[(lacking[suspects] & ~covered).any(axis=1)]
         judgement = judgement.refuse(missing, "base-dot-missing")
     covariances_px2 = calibrated_covariances(dots, refined, judgement.stands, options.centres)
     return MeasuredPlates(fits, dots, covariances_px2, inks, judgement)

@@ -39,6 +39,10 @@ class InkOptions:
 
     Attributes
     ----------
+    base_red_min : float
+        Red of a base dot over the median of the plate's five: half; below, something covers it.
+    base_off_red_max : float
+        Green or blue of a base dot over its red: ink has 0.02, over-exposed ink 0.3, skin and wood 0.5 and more.
     white_red : float
         Half-way between green or black (0) and white (1-1.5) on the red axis.
     green_green : float
@@ -53,6 +57,8 @@ class InkOptions:
         black dots between white ones to -0.6.
     """
 
+    base_red_min: float = 0.5
+    base_off_red_max: float = 0.45
     white_red: float = 0.6
     green_green: float = 0.18
     white_green_min: float = 0.35
@@ -62,10 +68,12 @@ class InkOptions:
 
 @dataclass(frozen=True)
 class InkReading:
-    """Digits of P plates.
+    """What the dots of P plates show.
 
     Attributes
     ----------
+    red_base : ndarray of shape (P, 5), bool
+        Which base dots are red.
     digits : ndarray of shape (P, 11), int8
         2 white, 1 green, 0 black, -1 no ink of the plate (hidden).
     confidence : ndarray of shape (P, 11)
@@ -74,21 +82,24 @@ class InkReading:
         Red amplitude expected at each dot.
     """
 
+    red_base: npt.NDArray[np.bool_]
     digits: npt.NDArray[np.int8]
     confidence: Array
     red_level: Array
 
     @property
     def coloured(self) -> npt.NDArray[np.bool_]:
-        """Which of the sixteen dots are printed in colour and can be measured, shape (P, 16)."""
-        coloured = np.ones(self.red_level.shape, dtype=np.bool_)
+        """Which of the sixteen dots show a printed colour and can be measured, shape (P, 16)."""
+        coloured = np.empty(self.red_level.shape, dtype=np.bool_)
+        coloured[:, BASE] = self.red_base
         coloured[:, DIGITS] = self.digits > BLACK_DIGIT
         return coloured
 
 
 def read_inks(amplitudes: Array, options: InkOptions = InkOptions()) -> InkReading:
-    """Read the identification dots of plates whose dots have amplitudes of shape (P, 16, 3), blue, green, red."""
-    red_level = _red_level(amplitudes[:, BASE, RED])
+    """Read plates whose dots have amplitudes of shape (P, 16, 3), blue, green, red."""
+    red_base = _red_base(amplitudes[:, BASE], options)
+    red_level = _red_level(amplitudes[:, BASE, RED], red_base)
     relative = amplitudes[:, DIGITS] / red_level[:, DIGITS, None]
     red, green = relative[..., RED], relative[..., GREEN]
     is_bright = red > options.white_red
@@ -100,11 +111,21 @@ def read_inks(amplitudes: Array, options: InkOptions = InkOptions()) -> InkReadi
     from_red = np.abs(red - options.white_red) / options.white_red
     from_green = np.abs(green - options.green_green) / options.green_green
     confidence = np.where(is_bright, from_red, np.minimum(from_red, from_green))
-    return InkReading(digits, confidence, red_level)
+    return InkReading(red_base, digits, confidence, red_level)
 
 
-def _red_level(base_red: Array) -> Array:
+def _red_base(base: Array, options: InkOptions) -> npt.NDArray[np.bool_]:
+    """Which base dots are red, shape (P, 5), by amplitudes of shape (P, 5, 3)."""
+    red = base[..., RED]
+    bright = red > options.base_red_min * np.median(red, axis=1, keepdims=True)
+    result: npt.NDArray[np.bool_] = base[..., :RED].max(axis=2) <= options.base_off_red_max * np.maximum(red, 1.0)
+    return result & bright
+
+
+def _red_level(base_red: Array, red_base: npt.NDArray[np.bool_]) -> Array:
     """Red amplitude over the plate, shape (P, 16): a plane through the five base dots, kept within their range."""
+    # What covers a base dot says nothing of the light on the others.
+    base_red = np.where(red_base, base_red, np.median(base_red, axis=1, keepdims=True))
     level = base_red @ LEVEL_FROM_BASE.T
     least, most = base_red.min(axis=1, keepdims=True), base_red.max(axis=1, keepdims=True)
     result: Array = np.maximum(np.clip(level, least, most), 1.0)  # 1 grey value: plates without red are refused anyway

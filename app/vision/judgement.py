@@ -29,8 +29,6 @@ class JudgementOptions:
         Red amplitude of every base dot, linear light of 255: a dim plate has 7 at a grey value of 60.
     red_over_residual : float
         The same over what the fit left unexplained: above noise.
-    off_red_max : float
-        Green or blue of a base dot over its red: ink has 0.02, over-exposed ink 0.3, skin and wood 0.5 and more.
     uneven_max : float
         Departure of a base dot's red from the plane through all five, over their mean.
     background_max : float
@@ -47,7 +45,6 @@ class JudgementOptions:
 
     red_min: float = 2.0
     red_over_residual: float = 1.5
-    off_red_max: float = 0.45
     uneven_max: float = 0.5
     background_max: float = 2.0
     explained_min: float = 0.7
@@ -120,7 +117,7 @@ def judge_plates(
     measured_base = dots.measured[:, BASE].sum(axis=1)
     failed = {
         "outside-photo": dots.inside[:, BASE].sum(axis=1) < options.base_dots_min,
-        "not-red": (~lacks_red(fits, options)).sum(axis=1) < options.base_dots_min,
+        "not-red": (~lacks_red(fits, inks, options)).sum(axis=1) < options.base_dots_min,
         "uneven-red": uneven > options.uneven_max * mean_red,
         "bright-background": fits.background.max(axis=1) > options.background_max * mean_red,
         "not-a-plate": ~(fits.explained() > options.explained_min),
@@ -134,27 +131,10 @@ def judge_plates(
     return Judgement(tuple(reasons), rms_px)
 
 
-def missing_in_plain_view(
-    fits: PlateFits, dots: DotCentres, covered: Mask, options: JudgementOptions = JudgementOptions()
-) -> Mask:
-    """Plates that lack a base dot although nothing covers its place, shape (P,).
-
-    Parameters
-    ----------
-    covered : ndarray of shape (P, 5), bool
-        Base dots that something stands before.
-    """
-    return np.asarray((lacks_red(fits, options) & dots.inside[:, BASE] & ~covered).any(axis=1))
-
-
-def lacks_red(fits: PlateFits, options: JudgementOptions = JudgementOptions()) -> Mask:
-    """Which base dots do not show red, shape (P, 5)."""
-    base = fits.amplitudes[:, BASE]
-    red = base[..., RED]
+def lacks_red(fits: PlateFits, inks: InkReading, options: JudgementOptions = JudgementOptions()) -> Mask:
+    """Which base dots do not show red, or no more of it than noise, shape (P, 5)."""
     weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms)
-    faint = options.uneven_max * np.median(red, axis=1, keepdims=True)
-    off_red = base[..., :RED].max(axis=2) > options.off_red_max * np.maximum(red, 1.0)
-    result: Mask = (red < weak[:, None]) | (red < faint) | off_red
+    result: Mask = ~inks.red_base | (fits.amplitudes[:, BASE, RED] < weak[:, None])
     return result
 
 
