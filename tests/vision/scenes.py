@@ -19,6 +19,7 @@ from app.planning.sight import SeenTarget, see
 from app.planning.surfaces import PlainSurface
 from app.planning.survey_plan import phone_camera
 from app.planning.synthetic import render
+from app.vision.homography import PLATE_DOTS_U, fit_homographies
 from app.vision.photo import load_photo
 
 U_M = 0.02
@@ -120,3 +121,9 @@ def measured_errors(detection: Detection, shot: Shot) -> tuple[npt.NDArray[np.fl
     errors_px = [t.centres_px[t.measured] - shot.dots_px(t.code)[t.measured] for t in detection.targets]
     covariances_px2 = [target.covariances_px2[target.measured] for target in detection.targets]
     return np.concatenate(errors_px), np.concatenate(covariances_px2)
+
+
+def true_homographies(shot: Shot) -> npt.NDArray[np.float64]:
+    """Image from plate, shape (P, 3, 3), of all targets in view, through their true dots."""
+    dots_px = np.stack([target.dots_px for target in shot.truth])
+    return fit_homographies(PLATE_DOTS_U, dots_px, np.ones(dots_px.shape[:2]))
