@@ -98,7 +98,7 @@ class WorkerPool:
         task = Task(function, args, timeout_s)
         with self._lock:
             self._in_flight.add(task)
-        task.add_done_callback(lambda _: self._count_out(task))
+        task.before_settling(lambda: self._count_out(task))
         self._waiting.put(task)
         return task
 

@@ -38,6 +38,29 @@ class Task(Future[Any]):
         self._end: Callable[[], None] | None = None
         self._end_wanted = False
         self._began_s: float | None = None
+        self._settling: Callable[[], None] | None = None
+
+    def before_settling(self, callback: Callable[[], None]) -> None:
+        """Call this when the outcome is known, before whoever waits learns of it.
+
+        A future's own callbacks come after: a client that has its answer and sends the next request at once would
+        find its place still taken.
+        """
+        self._settling = callback
+
+    def set_result(self, result: Any) -> None:
+        """The outcome, once."""
+        self._settle()
+        super().set_result(result)
+
+    def set_exception(self, exception: BaseException | None) -> None:
+        """The failure, once."""
+        self._settle()
+        super().set_exception(exception)
+
+    def _settle(self) -> None:
+        if self._settling is not None:
+            self._settling()
 
     @property
     def end_wanted(self) -> bool:

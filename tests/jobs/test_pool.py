@@ -184,6 +184,14 @@ def test_workers_are_warm_when_start_returns_and_after_a_crash() -> None:
         assert pool.submit(pool_work.marks).result(ANSWER_S) == ["warm"]
 
 
+def test_a_place_is_free_before_its_answer_is_known() -> None:
+    """One worker and no queue: whoever has an answer may send the next piece of work at once."""
+    with WorkerPool(1, 0) as pool:
+        assert [pool.submit(pool_work.double, number).result(ANSWER_S) for number in range(300)] == list(
+            range(0, 600, 2)
+        )
+
+
 def test_workers_that_cannot_start_are_reported_and_leave_nothing() -> None:
     pool = WorkerPool(2, 0, initializer=pool_work.fail_to_start)
     with pytest.raises(WorkerCrashed, match="no licence for this worker"):
