@@ -14,11 +14,12 @@ from app.geometry.pose import Pose
 from app.geometry.rotation import exp_rotation
 from app.planning.imaging import ImagingOptions, digitise, expose
 from app.planning.painting import paint
+from app.planning.photo_file import encode_jpeg
 from app.planning.scene import Panel, PostedTarget, Scene
 from app.planning.sight import SeenTarget, see
 from app.planning.surfaces import PlainSurface
 from app.planning.survey_plan import phone_camera
-from app.planning.synthetic import render
+from app.planning.synthetic import identity_of
 from app.vision.homography import PLATE_DOTS_U, fit_homographies
 from app.vision.photo import load_photo
 
@@ -88,10 +89,21 @@ def plates_in_rows(
     return tuple(targets)
 
 
+def photographs(
+    scene: Scene, imagings: Iterable[ImagingOptions], seed: int = 1, camera: Camera = SMALL_CAMERA
+) -> list[Shot]:
+    """One view under several settings, each written to a file and read again; painted once."""
+    light, truth = paint(scene, camera, AT_ORIGIN), see(scene, camera, AT_ORIGIN)
+    shots = []
+    for imaging in imagings:
+        rgb = digitise(expose(light, imaging), imaging, np.random.default_rng(seed))
+        jpeg = encode_jpeg(rgb, imaging, identity_of(camera, imaging))
+        shots.append(Shot(load_photo(jpeg).bgr, truth))
+    return shots
+
+
 def photograph(scene: Scene, imaging: ImagingOptions, seed: int = 1, camera: Camera = SMALL_CAMERA) -> Shot:
-    """Through the file: JPEG written and read again."""
-    photo = render(scene, camera, AT_ORIGIN, imaging, seed)
-    return Shot(load_photo(photo.jpeg).bgr, photo.targets)
+    return photographs(scene, [imaging], seed, camera)[0]
 
 
 def sensor_shots(
