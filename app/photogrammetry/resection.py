@@ -149,13 +149,15 @@ def resect(
 
 
 def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solution:
-    """Adjust few targets where the side is in doubt, then all who agree with the start, then the mirror image."""
+    """Adjust the largest targets, which are few, then all who agree with them, then the mirror image."""
     agreeing = start.agreeing(start.elected)
     state = State(start.pose(start.elected), np.zeros(INTRINSIC_COUNT))
+    largest = np.zeros_like(agreeing)
+    largest[start.proposers] = agreeing[start.proposers]
     if np.count_nonzero(agreeing) < options.sure_targets:
-        largest = np.zeros_like(agreeing)
-        largest[start.proposers] = agreeing[start.proposers]
         state = better_side(problem, largest, state, options.ambiguity)
+    else:
+        state = problem.adjust(largest, state, free_camera=False).state
     consensus = find_consensus(problem, start, state, options.sampling)
     check_consensus(problem, consensus)
     ambiguity = look_for_mirror(problem, consensus.agreeing, consensus.adjusted, options.ambiguity)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from app.photogrammetry.resection_equations import (
     State,
     TargetEquations,
     linearise,
+    residuals_of,
 )
 from app.photogrammetry.resection_input import SightedTargets
 
@@ -31,11 +32,13 @@ class AdjustmentOptions:
     max_steps : int
         Steps after which it counts as not converged; good starts take 2 to 5, an unlikely camera 20.
     converged_sigmas : float
-        The last step is shorter than this many standard deviations of the state. It is still taken, which leaves an
-        error of its square; what is reported beside the state is as of before it.
-    camera_freed : float
-        The camera is freed once a step of the pose alone promises to lower the sum of squares by less than this
-        fraction of it (or by less than 1): from a poor pose the camera's unknowns would run away.
+        The last step is shorter than this many standard deviations of the state.
+    linear_step : float
+        Or shorter than this, in rad, in distances to the nearest target and in units of the image plane: what the
+        linear equations then leave out is of its square, some thousandths of a pixel. The last step is still taken.
+    near_step : float
+        The camera is freed once a step of the pose alone is shorter than this (measured as ``linear_step``), or
+        promises less than 1: from a poor pose the camera's unknowns would run away.
     max_camera_sigmas : float
         Longest step of the camera's unknowns: within three standard deviations it is what its prior says it is.
     max_shift : float
@@ -48,7 +51,8 @@ class AdjustmentOptions:
 
     max_steps: int = 30
     converged_sigmas: float = 0.1
-    camera_freed: float = 0.01
+    linear_step: float = 2e-3
+    near_step: float = 0.01
     max_camera_sigmas: float = 3.0
     max_shift: float = 0.5
     first_damping: float = 1e-3
@@ -62,7 +66,7 @@ class AdjustedState:
     ----------
     state : State
     equations : TargetEquations
-        Of the targets that took part, at the state but for the last small step.
+        Of the targets that took part, at the state.
     information : ndarray of shape (15, 15)
         Of the state, the camera's prior included.
     gradient : ndarray of shape (15,)
@@ -89,10 +93,14 @@ class AdjustedState:
 
 @dataclass(frozen=True)
 class _Step:
-    """A step of the state, shape (15,), and by how much it promises to lower the sum of squares."""
+    """A step of the state, shape (15,), by how much it promises to lower the sum of squares, and its length.
+
+    The length is the greatest of rotation (rad), shift (distances to the nearest target) and camera (image plane).
+    """
 
     values: Array
     gain: float
+    length: float
 
 
 @dataclass(frozen=True)
@@ -110,6 +118,39 @@ class _Damping:
         return _Damping(shrunk if shrunk > options.first_damping / 10.0 else 0.0)
 
 
+@dataclass(frozen=True)
+class _Steps:
+    """Computes steps."""
+
+    prior: CameraPrior
+    options: AdjustmentOptions
+
+    def step(self, at: AdjustedState, unknowns: int, damping: float = 0.0) -> _Step:
+        """The damped step of the first unknowns, no longer than it may be; the other unknowns stay."""
+        information, gradient = at.information[:unknowns, :unknowns], at.gradient[:unknowns]
+        damped = information + damping * np.diag(np.diag(information))
+        moved: Array = np.asarray(np.linalg.solve(damped, -gradient), dtype=np.float64)
+        moved /= max(1.0, self._overreach(moved, at.equations))
+        values = np.zeros(STATE_COUNT)
+        values[:unknowns] = moved
+        gain = float(-2.0 * gradient @ moved - moved @ information @ moved)
+        return _Step(values, gain, self._length(values, at.equations))
+
+    def _overreach(self, moved: Array, equations: TargetEquations) -> float:
+        """How many times a step is as long as it may be."""
+        reach_m = self.options.max_shift * float(np.median(equations.distances_m))
+        return max(
+            float(np.linalg.norm(moved[POSITION])) / reach_m,
+            float(np.linalg.norm(moved[ROTATION])) / self.options.max_shift,
+            float(np.linalg.norm(moved[POSE_COUNT:])) / self.options.max_camera_sigmas,
+        )
+
+    def _length(self, values: Array, equations: TargetEquations) -> float:
+        shift = float(np.linalg.norm(values[POSITION]) / equations.distances_m.min())
+        turn_rad = float(np.linalg.norm(values[ROTATION]))
+        return max(shift, turn_rad, self.prior.image_plane_change(values[POSE_COUNT:]))
+
+
 def adjust_pose(
     sighted: SightedTargets,
     prior: CameraPrior,
@@ -119,19 +160,21 @@ def adjust_pose(
 ) -> AdjustedState:
     """Adjust to all of the targets (damped Gauss-Newton), the pose alone when the camera is not free."""
     options = options or AdjustmentOptions()
+    steps = _Steps(prior, options)
     best, damping, unknowns = evaluate(sighted, prior, start), _Damping(), POSE_COUNT
     for _ in range(options.max_steps):
-        whole = _step(best, 0.0, unknowns, options)
-        if free_camera and unknowns == POSE_COUNT and whole.gain < max(1.0, options.camera_freed * best.chi2):
+        whole = steps.step(best, unknowns)
+        if free_camera and unknowns == POSE_COUNT and (whole.gain < 1.0 or whole.length < options.near_step):
             unknowns = STATE_COUNT
-            whole = _step(best, 0.0, unknowns, options)
-        if (unknowns == STATE_COUNT or not free_camera) and whole.gain < options.converged_sigmas**2:
-            return replace(best, state=best.state.moved(whole.values), converged=True)
-        step = _step(best, damping.value, unknowns, options) if damping.value else whole
+            whole = steps.step(best, unknowns)
+        short = whole.gain < options.converged_sigmas**2 or whole.length < options.linear_step
+        if short and (unknowns == STATE_COUNT or not free_camera):
+            return _advanced(best, sighted, prior, whole.values)
+        step = steps.step(best, unknowns, damping.value) if damping.value else whole
         trial = evaluate(sighted, prior, best.state.moved(step.values))
         if trial.chi2 > best.chi2 and unknowns == STATE_COUNT:
             # Distance and focal length trade along a curved valley: back to its floor, the camera held.
-            trial = evaluate(sighted, prior, trial.state.moved(_step(trial, 0.0, POSE_COUNT, options).values))
+            trial = evaluate(sighted, prior, trial.state.moved(steps.step(trial, POSE_COUNT).values))
         # At the optimum rounding, and covariances that depend on the state a little, may cost what a step promises.
         gained = best.chi2 - trial.chi2 + options.converged_sigmas**2
         damping = damping.after(gained / step.gain, options)
@@ -152,23 +195,15 @@ def evaluate(sighted: SightedTargets, prior: CameraPrior, state: State) -> Adjus
     return AdjustedState(state, equations, information, gradient, chi2, redundancy)
 
 
-def _step(at: AdjustedState, damping: float, unknowns: int, options: AdjustmentOptions) -> _Step:
-    """The damped step of the first unknowns; the others stay."""
-    information, gradient = at.information[:unknowns, :unknowns], at.gradient[:unknowns]
-    damped = information + damping * np.diag(np.diag(information))
-    moved: Array = np.asarray(np.linalg.solve(damped, -gradient), dtype=np.float64)
-    moved /= max(1.0, _overreach(moved, at.equations, options))
-    values = np.zeros(STATE_COUNT)
-    values[:unknowns] = moved
-    return _Step(values, float(-2.0 * gradient @ moved - moved @ information @ moved))
-
-
-def _overreach(moved: Array, equations: TargetEquations, options: AdjustmentOptions) -> float:
-    """How many times a step of the first unknowns is as long as it may be."""
-    reach_m = options.max_shift * float(np.median(equations.distances_m))
-    lengths = (
-        np.linalg.norm(moved[POSITION]) / reach_m,
-        np.linalg.norm(moved[ROTATION]) / options.max_shift,
-        np.linalg.norm(moved[POSE_COUNT:]) / options.max_camera_sigmas,
+def _advanced(at: AdjustedState, sighted: SightedTargets, prior: CameraPrior, step: Array) -> AdjustedState:
+    """The adjusted state after a last step along which its equations are linear."""
+    state = at.state.moved(step)
+    return AdjustedState(
+        state=state,
+        equations=at.equations.advanced(step, residuals_of(sighted, prior, state)),
+        information=at.information,
+        gradient=at.gradient + at.information @ step,
+        chi2=at.chi2 + float(2.0 * at.gradient @ step + step @ at.information @ step),
+        redundancy=at.redundancy,
+        converged=True,
     )
-    return float(max(lengths))

@@ -42,7 +42,7 @@ class ConsensusOptions:
     """
 
     refuse_probability: float = 1e-4
-    scale_targets: int = 10
+    scale_targets: int = 20
     max_scale: float = 9.0
     max_rounds: int = 6
 
@@ -136,8 +136,8 @@ def own_scatter(problem: Problem, consensus: Consensus, options: ConsensusOption
     if np.count_nonzero(consensus.agreeing) < options.scale_targets:
         return 1.0
     freedom = np.minimum(OWN_COUNT, 2 * problem.sighted.dot_counts[consensus.agreeing])
-    ratio = float(np.median(movements_chi2(consensus.adjusted) / chdtri(freedom, 0.5)))
-    return float(np.clip(ratio, 1.0, options.max_scale))
+    expected = chdtri(freedom, 0.5) / chdtri(freedom, options.refuse_probability)
+    return float(np.clip(np.median(consensus.excess[consensus.agreeing] / expected), 1.0, options.max_scale))
 
 
 def movements_chi2(adjusted: AdjustedState) -> Array:

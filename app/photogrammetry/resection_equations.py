@@ -7,7 +7,7 @@ map knows each target only up to its own covariance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +25,7 @@ POSE_COUNT = 6
 POSITION, ROTATION = slice(0, 3), slice(3, POSE_COUNT)
 STATE_COUNT = POSE_COUNT + INTRINSIC_COUNT  # position (m), small rotation (rad), intrinsics in their prior's sigmas
 OWN_COUNT = 6  # a target's own position and rotation
+PIXEL_COUNT = 4  # of the intrinsics, fx, fy, cx and cy are in px
 FIELD_LIMIT = 3.0  # tangent of 72 degrees off the axis: beyond it Brown-Conrady describes no lens
 RIDGE = float(np.sqrt(np.finfo(np.float64).eps))  # under the accuracy of any normal matrix, above its rounding
 
@@ -54,6 +55,12 @@ class CameraPrior:
     def camera_at(self, whitened: Array) -> Camera:
         """The camera at whitened intrinsics of shape (9,)."""
         return self.camera.with_intrinsics(self.camera.intrinsics + self.root @ whitened)
+
+    def image_plane_change(self, whitened: Array) -> float:
+        """Greatest change of an intrinsic by a step of shape (9,), in units of the image plane (focal lengths)."""
+        change = np.abs(self.root @ whitened)
+        change[:PIXEL_COUNT] /= self.camera.fx_px
+        return float(change.max())
 
 
 @dataclass(frozen=True)
@@ -97,6 +104,16 @@ class TargetEquations:
     distances_m: Array
     seen_from_front: Mask
 
+    def advanced(self, step: Array, residuals_px: Array) -> TargetEquations:
+        """The equations after a step of shape (15,) along which they are linear, with the residuals found there."""
+        moved = self.information @ step
+        return replace(
+            self,
+            gradient=self.gradient + moved,
+            chi2=np.maximum(self.chi2 + (2.0 * self.gradient + moved) @ step, 0.0),
+            residuals_px=residuals_px,
+        )
+
     @cached_property
     def shape_chi2(self) -> Array:
         """The part of ``chi2`` that no rigid movement of the target explains, shape (K,): no pose changes it."""
@@ -137,6 +154,16 @@ def linearise(sighted: SightedTargets, prior: CameraPrior, state: State) -> Targ
         distances_m=np.linalg.norm(to_centres_m, axis=-1),
         seen_from_front=seen_from_front,
     )
+
+
+def residuals_of(sighted: SightedTargets, prior: CameraPrior, state: State) -> Array:
+    """Residuals at a state, px, shape (K, 16, 2): zero where not measured, or where a dot has no image."""
+    pose = state.site_from_cam
+    cam_m = (sighted.dots_m - pose.position_m) @ pose.rotation
+    inside = cam_m[..., 2] > np.abs(cam_m[..., :2]).max(axis=-1) / FIELD_LIMIT
+    cam_m[~inside] = (0.0, 0.0, 1.0)
+    residuals_px = prior.camera_at(state.whitened).project(cam_m) - sighted.observed_px
+    return residuals_px * (inside & sighted.measured)[..., None]
 
 
 def _gram(columns: Array, sighted: SightedTargets) -> Array:

@@ -103,9 +103,10 @@ def judge(
     sigma_m = float(np.sqrt(np.trace(uncertainty.covariance[:3, :3])))
     if sigma_m > options.max_position_sigma_m:
         raise refusals.undetermined(sigma_m, options.max_position_sigma_m)
-    outside_m = _outside_m(solution.position_m, target_map)
-    if outside_m > options.max_outside_m:
-        raise refusals.outside_site(outside_m, options.max_outside_m)
+    if ambiguity.adjusted.equations.distances_m.min() > options.max_outside_m:  # else it is no further from the box
+        outside_m = _outside_m(solution.position_m, target_map)
+        if outside_m > options.max_outside_m:
+            raise refusals.outside_site(outside_m, options.max_outside_m)
 
 
 def _outside_m(position_m: Array, target_map: TargetMap) -> float:

@@ -32,13 +32,13 @@ def check_dots(observations: Sequence[TargetObservation], known: Sequence[Target
             "check that this is the right site, or survey the new targets",
             codes=codes,
         )
-    if sum(int(observation.measured.sum()) for observation in known) < min_dots:
+    if _dots(known) < min_dots:
         raise too_few_dots(known)
 
 
 def too_few_dots(known: Sequence[TargetObservation]) -> NotLocated:
     """No target shows enough dots, off one line, for a pose."""
-    dots = sum(int(observation.measured.sum()) for observation in known)
+    dots = _dots(known)
     return _refusal(
         "too-few-dots",
         f"The {dots} measured dots on {len(known)} known targets fix no pose",
@@ -108,6 +108,10 @@ def outside_site(outside_m: float, limit_m: float) -> NotLocated:
         f"check that this is the right site; {MORE_TARGETS}",
         outside_m=outside_m,
     )
+
+
+def _dots(known: Sequence[TargetObservation]) -> int:
+    return sum(int(np.count_nonzero(observation.measured)) for observation in known)
 
 
 def _refusal(reason: str, what: str, advice: str, **seen: object) -> NotLocated:

@@ -34,6 +34,9 @@ class SamplingOptions:
     sure_share : float
         Least squares over all targets that settles with this share of them agreeing needs no sampling: no other pose
         can have as many.
+    scatter_share, scatter_excess : float
+        Where more than this share fits, and none of the rest is further off than this many times its limit, the rest
+        is no more than the scatter of covariances that promise a little too much.
     confidence : float
         Sampling ends when a pair of agreeing targets has been drawn with this probability, judged by the best so far.
     max_samples : int
@@ -48,6 +51,8 @@ class SamplingOptions:
 
     consensus: ConsensusOptions = ConsensusOptions()
     sure_share: float = 0.75
+    scatter_share: float = 0.9
+    scatter_excess: float = 1.5
     confidence: float = 0.999
     max_samples: int = 30
     rival_cost: float = 0.5
@@ -59,13 +64,21 @@ def find_consensus(problem: Problem, start: Start, state: State, options: Sampli
     """Who agrees: all who agree with the elected proposal, less a few; otherwise the best of the sampled."""
     options = options or SamplingOptions()
     limits = options.consensus
-    best = settle(problem, consent(problem, start.agreeing(start.elected), state, limits), limits)
-    if not (best.fits and best.has_share(options.sure_share)):
-        best = _best(_candidates(problem, start, options), options)
-    # Only now: while wrong targets take part, the others scatter because of them.
+    best = consent(problem, start.agreeing(start.elected), state, limits)
+    if not _is_scatter(best, options):
+        best = settle(problem, best, limits)
+        if not (best.fits and best.has_share(options.sure_share)):
+            best = _best(_candidates(problem, start, options), options)
     scale = own_scatter(problem, best, limits)
     settled = settle(problem, replace(best, excess=best.excess / scale), limits, scale)
     return replace(settled, contested=best.contested)
+
+
+def _is_scatter(consensus: Consensus, options: SamplingOptions) -> bool:
+    """Whether those who do not fit are few of many and not far off: they cannot bend the pose they are held to."""
+    many = len(consensus.excess) >= options.consensus.scale_targets
+    near = bool((consensus.excess[consensus.agreeing] < options.scatter_excess).all())
+    return many and near and consensus.has_share(options.scatter_share)
 
 
 def _candidates(problem: Problem, start: Start, options: SamplingOptions) -> list[Consensus]:

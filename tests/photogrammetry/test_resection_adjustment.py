@@ -29,8 +29,8 @@ def test_exact_dots_lead_home_from_a_start_that_is_off_by_degrees_and_decimetres
     adjusted = adjust_pose(seen, CameraPrior.of(scene.camera), State(scene.site_from_cam, AT_HOME).moved(step))
     assert adjusted.converged
     error = pose_error(adjusted.state.site_from_cam, scene.site_from_cam)
-    # The last step was under a tenth of a sigma and is taken: what is left is its square of some millimetres' sigma.
-    assert np.abs(error).max() < 1e-5
+    # A last step of up to 0.002 is taken as linear, which leaves its square of the 6 m to the targets: 0.024 mm.
+    assert np.abs(error).max() < 3e-5
     assert adjusted.chi2 < 0.1
 
 

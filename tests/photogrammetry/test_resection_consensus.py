@@ -78,9 +78,9 @@ def test_settling_leaves_out_the_moved_and_takes_back_the_wrongly_left_out() -> 
 
 
 def test_scatter_is_one_for_honest_covariances_and_grows_with_dishonest_ones() -> None:
-    scene = room_scene(15, 6)
+    scene = room_scene(24, 6)
     flattered = [replace(target, covariance=target.covariance / 100.0) for target in scene.target_map.targets]
-    everyone = np.ones(15, dtype=np.bool_)
+    everyone = np.ones(24, dtype=np.bool_)
     honest, dishonest = [], []
     for seed in range(5):
         rng = np.random.default_rng(seed)

@@ -49,7 +49,7 @@ def whitened_residuals(seen: SightedTargets, prior: CameraPrior, state: State, o
 
 def numerical_design(seen: SightedTargets, prior: CameraPrior, state: State) -> tuple[Array, Array]:
     """Central differences of the whitened residuals by the state (K, 32, 15) and by own movements (K, 32, 6)."""
-    steps = np.array([1e-6] * 6 + [1e-3] * 9)  # m, rad, standard deviations of the camera
+    steps = np.array([1e-6] * 6 + [0.03] * 9)  # m, rad, standard deviations of the camera
 
     def at(state: State, own: Array | None = None) -> Array:
         return whitened_residuals(seen, prior, state, None if own is None else np.tile(own, (len(seen), 1)))

@@ -76,6 +76,15 @@ def test_good_targets_are_all_kept_without_sampling() -> None:
         assert consensus.agreeing.all()
 
 
+def test_a_large_crowd_needs_no_sampling_for_covariances_that_promise_a_little_too_much() -> None:
+    scene = room_scene(30, 2)
+    for seed in range(5):
+        problem, start = moved_problem(scene, {}, seed)
+        sure = replace(problem, sighted=replace(problem.sighted, whiteners=1.6 * problem.sighted.whiteners))
+        consensus = find_consensus(sure, start, start_state(start), SamplingOptions(max_samples=0))
+        assert consensus.agreeing.sum() >= 29
+
+
 def test_the_same_photograph_has_the_same_pose() -> None:
     problem, start = moved_problem(room_scene(8, 3), {2: [0.05] * 6, 4: [-0.04] * 6, 5: [0.03] * 6})
     first, second = (find_consensus(problem, start, start_state(start)) for _ in range(2))
