@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.observations import Rejected, TargetObservation
-from app.targets.digits import digits_of_code
+from app.targets.digits import Codes, digits_of_codes
 from app.targets.family import UNDECODABLE, CodeFamily
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS, DOT_COUNT
 from app.vision.centres import DotCentres
@@ -100,6 +100,7 @@ def read_plates(
     digits = np.where(plates.dots.inside[:, DIGITS], digits, HIDDEN_DIGIT).astype(np.int8)
     hidden = (digits == HIDDEN_DIGIT).sum(axis=1)
     decoded = np.stack(book.family.decode_many(digits, options.max_corrections(book.strictness)), axis=1)
+    measured = plates.dots.measured & _show_their_ink(decoded[:, 0], digits)
     explained = plates.fits.explained()
     targets: dict[int, TargetObservation] = {}
     rejected: list[Rejected] = []
@@ -111,17 +112,16 @@ def read_plates(
         if not reason and code in targets:
             reason = "duplicate-code"
         if not reason:
-            measured = plates.dots.measured[plate] & _shows_its_ink(code, digits[plate])
-            targets[code] = _target(plates, plate, (code, corrected, erased), measured)
+            targets[code] = _target(plates, plate, (code, corrected, erased), measured[plate])
         elif reason not in COLOUR_REASONS or explained[plate] > options.report_explained_min:
             rejected.append(_rejected(plates, plate, reason, code if reason == "duplicate-code" else None))
     return tuple(targets.values()), tuple(rejected)
 
 
-def _shows_its_ink(code: int, digits: npt.NDArray[np.int8]) -> npt.NDArray[np.bool_]:
-    """Which dots look as the code says, shape (16,): what covers a hidden or mended one has a centre of its own."""
-    shows = np.ones(DOT_COUNT, dtype=np.bool_)
-    shows[DIGITS] = digits == digits_of_code(code)
+def _show_their_ink(codes: Codes, digits: npt.NDArray[np.int8]) -> npt.NDArray[np.bool_]:
+    """Which dots look as the code says, shape (P, 16): what covers a hidden or mended one has a centre of its own."""
+    shows = np.ones((len(codes), DOT_COUNT), dtype=np.bool_)
+    shows[:, DIGITS] = digits == digits_of_codes(np.maximum(codes, 0))
     return shows
 
 
