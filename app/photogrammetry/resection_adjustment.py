@@ -203,7 +203,7 @@ def _advanced(at: AdjustedState, sighted: SightedTargets, prior: CameraPrior, st
         equations=at.equations.advanced(step, residuals_of(sighted, prior, state)),
         information=at.information,
         gradient=at.gradient + at.information @ step,
-        chi2=at.chi2 + float(2.0 * at.gradient @ step + step @ at.information @ step),
+        chi2=max(at.chi2 + float(2.0 * at.gradient @ step + step @ at.information @ step), 0.0),
         redundancy=at.redundancy,
         converged=True,
     )

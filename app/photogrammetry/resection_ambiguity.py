@@ -142,7 +142,7 @@ def mirrored_pose(site_from_cam: Pose, dots_m: Array) -> Pose:
 
 def _shift(first: Pose, second: Pose, dots_m: Array) -> float:
     """Root mean square shift of the dots from one pose's view to the other's, normalised; infinite if one is behind."""
-    views = [pose.inverse().apply(dots_m) for pose in (first, second)]
+    views = [(dots_m - pose.position_m) @ pose.rotation for pose in (first, second)]
     if any(view[:, 2].min() <= 0 for view in views):
         return float("inf")
     one, other = (view[:, :2] / view[:, 2:] for view in views)
