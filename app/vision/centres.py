@@ -45,6 +45,8 @@ class CentreOptions:
         Weight of the template fit's own noise estimate beside the misfits of the photograph's plates.
     covariance_floor_px : float
         Errors that no noise estimate sees (interpolation, chroma siting): 0.01 px.
+    covariance_floor_u : float
+        The same of large plates, whose samples stand farther apart: 0.07 px at 16 px per u, where 0.1 is found.
     """
 
     sigma_max_u: float = 0.2
@@ -53,6 +55,7 @@ class CentreOptions:
     unseen_factor: float = 1.6
     prior_redundancy: float = 20.0
     covariance_floor_px: float = 0.01
+    covariance_floor_u: float = 0.005
 
 
 @dataclass(frozen=True)
@@ -88,8 +91,10 @@ class DotCentres:
 
     def covariances_px2(self, options: CentreOptions) -> Array:
         """In pixels, shape (P, 16, 2, 2)."""
-        floor_px2 = options.covariance_floor_px**2 * np.eye(2)
-        return self.px_by_u @ self.covariances_u2 @ self.px_by_u.swapaxes(-1, -2) + floor_px2
+        floor_px2, floor_u2 = (
+            floor**2 * np.eye(2) for floor in (options.covariance_floor_px, options.covariance_floor_u)
+        )
+        return self.px_by_u @ (self.covariances_u2 + floor_u2) @ self.px_by_u.swapaxes(-1, -2) + floor_px2
 
 
 def locate_dots(
