@@ -1,13 +1,20 @@
-"""A database for every test that asks for one: the test then runs once on each kind."""
+"""A database for every test that asks for one: the test then runs once on each kind. And how property tests run."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
 
 from app.storage.database import Database
 from tests.databases import Databases, PostgresDatabases, SqliteDatabases, postgres_server
+
+# No example has a time limit: a loaded machine is no fault of the code. In CI the examples are the same at each run, so
+# that a red run means a change; at a desk they differ, and find more.
+settings.register_profile("scattermark", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.load_profile("scattermark")
 
 
 @pytest.fixture(scope="session")
