@@ -52,6 +52,12 @@ def test_nothing_is_covered_in_plain_view(plates_shot: Shot) -> None:
     assert flags.shape == (24, 5) and not flags.any()
 
 
+def test_haze_over_a_plate_covers_nothing(plates_shot: Shot) -> None:
+    """A reflection lifts the plate's black and all else."""
+    hazy = np.rint(0.6 * plates_shot.bgr.astype(float) + 90.0).astype(np.uint8)
+    assert not covered(Shot(hazy, plates_shot.truth)).any()
+
+
 @pytest.mark.parametrize(("role", "thing_rgb"), [(0, (120, 110, 90)), (2, (60, 80, 150)), (4, (140, 120, 100))])
 def test_what_stands_before_a_dot_covers_it(codes: np.ndarray, role: int, thing_rgb: tuple[int, int, int]) -> None:
     flags = covered(shot_of(codes, role, thing_rgb))

@@ -47,7 +47,7 @@ def test_a_red_ellipse_is_found_with_its_size(ellipse: Ellipse) -> None:
     centre_px, semi_axes_px = only(find_red_blobs(painted([ellipse])))
     # Outlines run along whole pixels: a proposal is good to a part of a dot.
     np.testing.assert_allclose(centre_px, ellipse[:2], atol=0.25)
-    np.testing.assert_allclose(semi_axes_px, ellipse[2:4], rtol=0.1, atol=1.0)
+    np.testing.assert_allclose(semi_axes_px, ellipse[2:4], rtol=0.14, atol=0.15)
 
 
 @pytest.mark.parametrize("rgb", [GREEN_RGB, WHITE_RGB, (60, 60, 200), (128, 128, 128)])

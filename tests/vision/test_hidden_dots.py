@@ -12,7 +12,7 @@ from app.vision.dots import Blobs
 from app.vision.hidden_dots import MISSING, HiddenDotOptions, complete_groups
 from app.vision.homography import apply_homographies, homography_jacobians
 from app.vision.proposals import BASE_U
-from tests.vision.scenes import U_M, Shot, before_wall, facing_panel, found, photograph, plate_at
+from tests.vision.scenes import U_M, Shot, before_wall, facing_panel, found, photograph, plate_at, plates_in_rows
 from tests.vision.views import image_from_plate, turns_rad
 
 BROWN_RGB = (120, 110, 90)
@@ -65,7 +65,7 @@ def test_the_hidden_dot_is_made_up_where_it_is(
 def test_four_dots_of_no_plate_are_left_alone() -> None:
     blobs = base_blobs(image_from_plate(0.3, 0.0, 0.0, 300.0))
     centres_px = blobs.centres_px[:4].copy()
-    centres_px[2] += 6.0 * blobs.semi_axes_px[2, 0]
+    centres_px[2] -= 4.0 * blobs.semi_axes_px[2, 0]  # C, towards the others
     assert complete_groups(Blobs(centres_px, blobs.semi_axes_px[:4]), np.arange(4))[1].shape == (0, 5)
 
 
@@ -118,3 +118,13 @@ def test_a_target_is_read_though_a_corner_dot_is_hidden(half_hidden: Shot, seen:
 
 def test_without_e_four_dots_fit_in_four_ways_and_none_is_misread(half_hidden: Shot, seen: Detection) -> None:
     assert set(found(seen)) <= {target.code for target in half_hidden.truth}
+
+
+def test_plates_that_all_lack_a_dot_do_not_take_each_others(codes: np.ndarray, family: CodeFamily) -> None:
+    """Five dots of several plates may lie like one plate's."""
+    plates = plates_in_rows(codes, (4, 3), 5.0, seed=1, slant_deg=30.0)
+    corners_m = [plate.dots_m()[0] + 0.28 * (plate.dots_m()[0] - plate.dots_m().mean(axis=0)) for plate in plates]
+    things = [facing_panel(0.9 * corner_m, (5.0 * U_M, 5.0 * U_M), BROWN_RGB) for corner_m in corners_m]
+    shot = photograph(before_wall(plates, *things), ImagingOptions())
+    assert all(target.hidden[0] for target in shot.truth) and len(shot.truth) == 12
+    assert set(found(detect(shot.bgr, family))) == {target.code for target in shot.truth}

@@ -6,7 +6,7 @@ from app.targets.layout import BASE_CELLS, DOT_RADIUS_U, PLATE_SIDE_U
 from app.vision.dots import Blobs
 from app.vision.homography import PLATE_DOTS_U, apply_homographies, homography_jacobians
 from app.vision.proposals import BASE_U, GAPS_U, ProposalOptions, promising
-from tests.vision.scenes import Shot
+from tests.vision.scenes import Shot, true_homographies
 from tests.vision.views import views
 
 
@@ -71,6 +71,19 @@ def test_without_black_between_nothing_is_promising(plates_shot: Shot) -> None:
     assert not len(promising(np.full_like(plates_shot.bgr, 24), blobs, groups))
     lifted = np.maximum(plates_shot.bgr, 225)  # the black is as bright as the red dots
     assert not len(promising(lifted, blobs, groups))
+
+
+def test_a_few_gaps_may_be_covered_and_not_more(plates_shot: Shot) -> None:
+    blobs, count = blobs_of(plates_shot), len(plates_shot.truth)
+    homography = true_homographies(plates_shot)[:1]
+    gaps_px = np.rint(apply_homographies(homography, GAPS_U)[0]).astype(int)
+    spare = len(GAPS_U) - ProposalOptions().dark_gaps_min
+    for covered, stands in ((spare - 2, True), (spare + 3, False)):  # some points lie on one pixel
+        picture = plates_shot.bgr.copy()
+        for x, y in gaps_px[-covered:]:
+            picture[y - 1 : y + 2, x - 1 : x + 2] = 220
+        kept = promising(picture, blobs, np.arange(5 * count).reshape(count, 5))[:, 0]
+        assert (0 in kept) is stands
 
 
 @pytest.mark.parametrize("factor", [0.3, 2.5])
