@@ -13,6 +13,7 @@ from app.vision.homography import (
     area_scales,
     fit_homographies,
     homography_jacobians,
+    local_px_per_u,
 )
 from app.vision.inks import InkReading
 from app.vision.measurement import PlateFits
@@ -43,6 +44,8 @@ class CentreOptions:
         that part a plate's homography absorbs (``benchmarks/accuracy.py`` prints the normalised errors it leads to).
     prior_redundancy : float
         Weight of the template fit's own noise estimate beside the misfits of the photograph's plates.
+    rescale_max : float
+        How many times larger or smaller its dots may make a plate: far more than a first look errs by.
     covariance_floor_px : float
         Errors that no noise estimate sees (interpolation, chroma siting): 0.01 px.
     covariance_floor_u : float
@@ -54,6 +57,7 @@ class CentreOptions:
     border_u: float = 1.0
     unseen_factor: float = 1.6
     prior_redundancy: float = 20.0
+    rescale_max: float = 1.5
     covariance_floor_px: float = 0.01
     covariance_floor_u: float = 0.005
 
@@ -125,14 +129,18 @@ def locate_dots(
     return replace(dots, measured=dots.measured & certain)
 
 
-def refine_homographies(fits: PlateFits, dots: DotCentres) -> Array:
-    """Homographies through the measured dots, weighted by their precision; the old ones where too few were measured."""
-    variance_px2 = dots.variances_u2() * area_scales(dots.px_by_u) ** 2
+def refine_homographies(fits: PlateFits, dots: DotCentres, options: CentreOptions = CentreOptions()) -> Array:
+    """Homographies through the measured dots, weighted by their precision; the old ones where too few were."""
+    variance_px2 = np.maximum(dots.variances_u2() * area_scales(dots.px_by_u) ** 2, np.finfo(np.float64).tiny)
     weights = np.where(dots.measured, variance_px2.min(axis=1, keepdims=True) / variance_px2, 0.0)
-    enough = dots.measured.sum(axis=1) >= 5
     refined = fits.image_from_plate.copy()
-    if enough.any():
-        refined[enough] = fit_homographies(PLATE_DOTS_U, dots.centres_px[enough], weights[enough])
+    enough = np.flatnonzero(dots.measured.sum(axis=1) >= 5)
+    if len(enough):
+        through_dots = fit_homographies(PLATE_DOTS_U, dots.centres_px[enough], weights[enough])
+        before, after = fits.px_per_u[enough], local_px_per_u(through_dots)
+        # Dots in line leave the plate's other direction open: it collapses.
+        kept = (after < options.rescale_max * before) & (before < options.rescale_max * after)
+        refined[enough[kept]] = through_dots[kept]
     return refined
 
 

@@ -59,8 +59,9 @@ class PlateFits:
         return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
     def explained(self) -> Array:
-        """Part of the samples' variance that the model explains, shape (P,), over all channels."""
-        return 1.0 - self.residual_rms**2 / np.maximum(self.spread_rms**2, 1.0)
+        """Part of the samples' variance that the model explains, shape (P,), over all channels; 0 where all is flat."""
+        flat = self.spread_rms < 1.0  # grey value: a patch that has collapsed to a point, or a plain wall
+        return np.where(flat, 0.0, 1.0 - self.residual_rms**2 / np.maximum(self.spread_rms**2, 1.0))
 
 
 @dataclass(frozen=True)

@@ -29,11 +29,15 @@ class ReadingOptions:
     ----------
     confidence_min : float
         A digit nearer than this to the border between two inks is taken as hidden (1 is a typical distance).
+    sure_min : float
+        Where hidden digits leave the family nothing to check, each digit that was read must be this sure: one misread
+        then gives another code. Digits of blurred plates that were misread had up to 0.7.
     report_explained_min : float
         Groups that fail on colour are reported only if the plate's model explains this much of them: half.
     """
 
     confidence_min: float = 0.35
+    sure_min: float = 0.7
     report_explained_min: float = 0.5
 
     def max_corrections(self, strictness: Strictness) -> int:
@@ -100,6 +104,8 @@ def read_plates(
     digits = np.where(plates.dots.inside[:, DIGITS], digits, HIDDEN_DIGIT).astype(np.int8)
     hidden = (digits == HIDDEN_DIGIT).sum(axis=1)
     decoded = np.stack(book.family.decode_many(digits, options.max_corrections(book.strictness)), axis=1)
+    least_sure = np.where(digits == HIDDEN_DIGIT, np.inf, plates.inks.confidence).min(axis=1)
+    unchecked = (hidden > 0) & (hidden >= book.family.distance - 1) & (least_sure < options.sure_min)
     measured = plates.dots.measured & _show_their_ink(decoded[:, 0], digits)
     explained = plates.fits.explained()
     targets: dict[int, TargetObservation] = {}
@@ -108,6 +114,8 @@ def read_plates(
         code, corrected, erased = (int(value) for value in decoded[plate])
         reason = plates.judgement.reasons[plate] or book.objection(code, corrected, erased)
         if reason == "code-not-in-family" and hidden[plate] >= book.family.distance:
+            reason = "unreadable"
+        if not reason and unchecked[plate]:
             reason = "unreadable"
         if not reason and code in targets:
             reason = "duplicate-code"

@@ -18,7 +18,7 @@ from app.vision.centres import (
     refine_homographies,
 )
 from app.vision.detector import DetectorOptions, detect
-from app.vision.homography import PLATE_DOTS_U, apply_homographies, homography_jacobians
+from app.vision.homography import PLATE_DOTS_U, apply_homographies, homography_jacobians, local_px_per_u
 from app.vision.inks import read_inks
 from app.vision.measurement import PlateFits, SizedPatches
 from app.vision.patches import Pyramid
@@ -203,7 +203,7 @@ def scattered() -> tuple[DotCentres, np.ndarray]:
 
 def refined(dots: DotCentres, homographies: np.ndarray) -> np.ndarray:
     empty = np.zeros((len(homographies), 0))
-    return refine_homographies(PlateFits(homographies, *[empty] * 7), dots)
+    return refine_homographies(PlateFits(homographies, local_px_per_u(homographies), *[empty] * 6), dots)
 
 
 OPTIONS = CentreOptions(covariance_floor_px=0.0, covariance_floor_u=0.0)
@@ -248,6 +248,12 @@ def test_homographies_follow_the_measured_dots(scattered: tuple[DotCentres, np.n
     )
     few = replace(shifted, measured=np.broadcast_to(np.arange(16) < 4, (PLATES, 16)))
     np.testing.assert_array_equal(refined(few, homographies), homographies)
+    # A row of four and E: the plate would collapse on them.
+    in_line = np.where(np.isin(np.arange(16), [0, 1, 2, 3, 5])[:, None], shifted.centres_px[:, :1], shifted.centres_px)
+    collapsed = replace(
+        shifted, centres_px=in_line, measured=np.broadcast_to(in_line[0, :, 0] == in_line[0, 0, 0], (PLATES, 16))
+    )
+    np.testing.assert_array_equal(refined(collapsed, homographies), homographies)
 
 
 def test_some_plates_can_be_chosen(scattered: tuple[DotCentres, np.ndarray]) -> None:

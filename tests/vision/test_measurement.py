@@ -54,6 +54,12 @@ def test_the_model_explains_a_plate_and_nothing_else(clean: Shot) -> None:
     assert np.median(fitted(clean, beside).explained()) < 0.7
 
 
+def test_a_flat_patch_is_not_explained() -> None:
+    wall = np.full((480, 640, 3), 130, dtype=np.uint8)
+    somewhere = np.array([[[4.0, 0.0, 320.0], [0.0, 4.0, 240.0], [0.0, 0.0, 1.0]]])
+    assert SizedPatches.of(Pyramid.of(wall, 1), somewhere).fit(BLUR_PX).explained().tolist() == [0.0]
+
+
 def test_slopes_over_amplitudes_are_how_far_the_dots_stand_off(clean: Shot) -> None:
     shift_u = np.array([0.08, -0.05])
     moved = true_homographies(clean) @ np.array([[1.0, 0.0, shift_u[0]], [0.0, 1.0, shift_u[1]], [0.0, 0.0, 1.0]])

@@ -74,6 +74,19 @@ def test_unsure_digits_are_filled_and_their_dots_not_measured(
     assert not target.measured[DIGITS[:hidden]].any()
 
 
+def test_without_a_digit_to_check_each_must_be_sure(
+    plates: MeasuredPlates, plates_shot: Shot, family: CodeFamily
+) -> None:
+    """Four of eleven filled: one misread among the other seven gives another code of the family."""
+    code = plates_shot.truth[PLATE].code
+    for hidden, expected in ((3, True), (4, False)):
+        doubtful = unsure(plates, hidden)
+        doubtful.inks.confidence[PLATE, -1] = 0.5
+        targets, rejected = read(doubtful, family)
+        assert (code in targets) is expected
+        assert [refusal.reason for refusal in rejected] == ["unreadable"] * (not expected)
+
+
 def test_more_hidden_digits_than_the_family_fills_are_unreadable(plates: MeasuredPlates, family: CodeFamily) -> None:
     targets, (refusal,) = read(unsure(plates, 5), family)
     assert refusal.reason == "unreadable" and len(targets) == 23
