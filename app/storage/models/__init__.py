@@ -1,0 +1,26 @@
+"""The tables: every module of them is imported here, so that migrations and backups see them all."""
+
+from __future__ import annotations
+
+from app.storage.models.base import Base
+from app.storage.models.jobs import JobRow
+from app.storage.models.sites import ControlPointRow, SiteRow
+from app.storage.models.surveys import DetectionRow, PhotographRow, SurveyRow
+from app.storage.models.target_maps import CameraRow, MappedTargetRow, MapPhotoRow, TargetMapRow
+from app.storage.models.trajectories import SnapshotRow, TrajectoryRow
+
+__all__ = [
+    "Base",
+    "CameraRow",
+    "ControlPointRow",
+    "DetectionRow",
+    "JobRow",
+    "MapPhotoRow",
+    "MappedTargetRow",
+    "PhotographRow",
+    "SiteRow",
+    "SnapshotRow",
+    "SurveyRow",
+    "TargetMapRow",
+    "TrajectoryRow",
+]
