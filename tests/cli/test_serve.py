@@ -10,6 +10,7 @@ import pytest
 
 from app.cli import main
 from app.cli.demo_service import ServiceFailed, running_service, without_settings
+from app.cli.serve import _listen
 from app.cli.service_client import ServiceClient, ServiceProblem
 
 
@@ -20,6 +21,13 @@ def test_it_answers_where_it_says_and_stops(tmp_path: Path) -> None:
         client.get("readyz")
     with closing(ServiceClient(url)) as client, pytest.raises(ServiceProblem, match="gave no answer"):
         client.get("healthz")
+
+
+def test_an_answer_does_not_wait_for_an_acknowledgement() -> None:
+    with _listen("127.0.0.1", 0) as listener, socket.create_connection(listener.getsockname()):
+        connection, _ = listener.accept()
+        with connection:
+            assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 def test_settings_of_the_shell_stay_out_of_the_demo() -> None:
