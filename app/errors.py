@@ -120,3 +120,15 @@ class WorkerCrashed(ScattermarkError):
     """A worker process died while it did this piece of work."""
 
     slug = "worker-crashed"
+
+
+class StorageUnavailable(ScattermarkError):
+    """The database or the store of photographs gives no answer."""
+
+    slug = "storage-unavailable"
+
+
+class OutOfSpace(ScattermarkError):
+    """There is no room left for what should be written: the disk is full, or the quota is reached."""
+
+    slug = "insufficient-storage"

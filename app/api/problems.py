@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import uuid
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +14,7 @@ from starlette.exceptions import HTTPException
 
 from app import errors
 from app.api.allowed_methods import allowed_methods
-from app.storage.database import StorageUnavailable
+from app.api.request_id import present_request_id
 
 log = logging.getLogger(__name__)
 
@@ -49,7 +48,8 @@ TABLE: dict[type[errors.ScattermarkError], Kind] = {
     errors.ServerFull: Kind(503, "Server full"),
     errors.TimedOut: Kind(504, "Time limit exceeded"),
     errors.WorkerCrashed: Kind(500, "Worker crashed"),
-    StorageUnavailable: Kind(503, "Database unavailable"),
+    errors.StorageUnavailable: Kind(503, "Storage unavailable"),
+    errors.OutOfSpace: Kind(507, "Insufficient storage"),
     errors.ScattermarkError: Kind(500, "Error"),
 }
 
@@ -72,6 +72,7 @@ class Problem(BaseModel):
     title: str
     status: int
     detail: str = Field(description="What happened and what to do about it.")
+    request_id: str = Field(default="", description="What to name when it is reported: the log has it, too.")
 
 
 def problem_of(slug: str, kind: Kind, detail: str, fields: dict[str, Any]) -> dict[str, Any]:
@@ -102,7 +103,6 @@ def add_handlers(app: FastAPI) -> None:
     app.add_exception_handler(errors.ScattermarkError, _on_known_error)
     app.add_exception_handler(RequestValidationError, _on_validation_error)
     app.add_exception_handler(HTTPException, _on_http_error)
-    app.add_exception_handler(Exception, _on_fault)
 
 
 def http_problem(status: int, path: str, method: str, detail: str) -> dict[str, Any]:
@@ -111,8 +111,16 @@ def http_problem(status: int, path: str, method: str, detail: str) -> dict[str, 
     return problem_of(slug, Kind(status, title), text.format(path=path, method=method, detail=detail), {})
 
 
+def fault_problem() -> dict[str, Any]:
+    """A problem for an error that nobody expected: all that is said of it is how to find it in the log."""
+    detail = "a fault of the server; try again, and report request_id if it stays so"
+    return problem_of("fault", Kind(500, "Internal error"), detail, {})
+
+
 def problem_response(problem: dict[str, Any], headers: dict[str, str] | None = None) -> JSONResponse:
-    """The answer that carries a problem."""
+    """The answer that carries a problem and the id of the request that met it."""
+    request_id = present_request_id()
+    problem = problem if request_id is None else {**problem, "request_id": request_id}
     return JSONResponse(problem, status_code=problem["status"], media_type=MEDIA_TYPE, headers=headers)
 
 
@@ -141,10 +149,3 @@ async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
     if error.status_code == METHOD_NOT_ALLOWED:
         headers["Allow"] = allowed_methods(request.app.routes, request.url.path)
     return problem_response(problem, headers)
-
-
-async def _on_fault(_request: Request, error: Exception) -> JSONResponse:
-    incident = uuid.uuid4().hex
-    log.error("unexpected error, incident %s", incident, exc_info=error)
-    detail = f"a fault of the server; try again, and report incident {incident} if it stays so"
-    return problem_response(problem_of("fault", Kind(500, "Internal error"), detail, {"incident": incident}))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -11,18 +12,14 @@ from sqlalchemy.exc import IntegrityError, OperationalError
 from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from sqlalchemy.orm import Session as Session
 
-from app.errors import Conflict, ScattermarkError
+from app.errors import Conflict, OutOfSpace
+from app.errors import StorageUnavailable as StorageUnavailable
 from app.storage.engines import Access, engine_for
 
 RETRY_AFTER_S = 1
 FOREIGN_KEY_VIOLATION = "23503"  # SQLSTATE
+POSTGRES_DISK_FULL = "53100"  # SQLSTATE
 MIGRATION_LOCK = 0x5CA77E12  # of Postgres's advisory locks; any number that no other program takes
-
-
-class StorageUnavailable(ScattermarkError):
-    """The database is locked for too long or cannot be reached."""
-
-    slug = "storage-unavailable"
 
 
 class Database:
@@ -116,6 +113,11 @@ def _translated() -> Iterator[None]:
         yield
     except (OperationalError, NoConnectionLeft) as error:
         cause = error.orig if isinstance(error, OperationalError) else error
+        if _is_full(cause):
+            raise OutOfSpace(
+                "the database's disk is full; make room on it (`scattermark purge` removes what nothing refers to), "
+                "then send the request again"
+            ) from error
         raise StorageUnavailable(
             f"the database gave no answer ({cause}); send the request again, and look at /readyz if it stays so",
             retry_after_s=RETRY_AFTER_S,
@@ -126,6 +128,12 @@ def _translated() -> Iterator[None]:
         raise Conflict(
             "what this belongs to was removed in the meantime; read it again and start from there"
         ) from error
+
+
+def _is_full(cause: object) -> bool:
+    """Whether the database could not write for want of room."""
+    on_sqlite = getattr(cause, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
+    return on_sqlite or getattr(cause, "sqlstate", None) == POSTGRES_DISK_FULL
 
 
 def _wait_for_other_migrations(connection: Connection) -> None:
