@@ -17,6 +17,7 @@ APP_DIR = Path(app.__file__).parent
 ORDER = (
     "errors",
     "settings",
+    "logs",  # services and jobs bind their ids, whoever starts a process sets it up
     "targets",
     "geometry",
     "vision",
@@ -55,7 +56,7 @@ class Import:
 
 
 WALLS = (
-    Wall("the library runs in a notebook", LIBRARY, (*HTTP, *SQL, "pydantic", "app.settings")),
+    Wall("the library runs in a notebook", LIBRARY, (*HTTP, *SQL, "pydantic", "app.settings", "app.logs")),
     Wall("vision meets its neighbours in geometry", ("vision",), ("app.photogrammetry", "app.trajectories")),
     Wall("photogrammetry meets its neighbours in geometry", ("photogrammetry",), ("app.vision", "app.trajectories")),
     Wall("trajectories meet their neighbours in geometry", ("trajectories",), ("app.vision", "app.photogrammetry")),
@@ -119,6 +120,7 @@ BREACHES = (
     ("vision/a.py", "import fastapi", "notebook"),
     ("geometry/a.py", "from pydantic import BaseModel", "notebook"),
     ("planning/a.py", "from app import settings", "notebook"),
+    ("vision/a.py", "from app.logs import log_context", "notebook"),
     ("vision/a.py", "from app.photogrammetry.resection import resect", "vision meets"),
     ("photogrammetry/a.py", "from ..vision import detector", "photogrammetry meets"),
     ("trajectories/a.py", "import app.vision.photo", "trajectories meet"),

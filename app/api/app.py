@@ -8,11 +8,18 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
+from prometheus_client import CollectorRegistry
 
 from app.api.dependencies import Services
+from app.api.faults import FaultsAsProblems
+from app.api.http_metrics import HttpMetrics
+from app.api.observed import Observed
 from app.api.problems import Problem, add_handlers
+from app.api.request_id import RequestIds
 from app.api.routes import jobs, locate, maps, operations, sites, surveys, trajectories
+from app.api.streams import StreamsEndWithServer
 from app.api.too_large import TooLargeAsProblem
+from app.services.draining import Draining
 from app.settings import Settings
 
 OpenServices = Callable[[], AbstractAsyncContextManager[Services]]
@@ -40,7 +47,14 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
 
     app = FastAPI(title="Scattermark", description=DESCRIPTION, lifespan=lifespan)
     add_handlers(app)
+    app.state.draining = Draining()  # whoever runs the server says when it leaves
+    app.state.registry = CollectorRegistry()
+    # From the inside to the outside.
     app.add_middleware(TooLargeAsProblem)
+    app.add_middleware(FaultsAsProblems)
+    app.add_middleware(StreamsEndWithServer, draining=app.state.draining)
+    app.add_middleware(Observed, metrics=HttpMetrics(app.state.registry))
+    app.add_middleware(RequestIds)
     snapshot_bytes = settings.max_photo_bytes + FORM_OVERHEAD_BYTES
     for routes in (sites, surveys, jobs, maps, trajectories, operations):
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)

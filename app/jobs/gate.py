@@ -28,6 +28,7 @@ class Gate:
         self._workers = workers
         self._capacity = workers + queue_depth
         self._in_flight = 0
+        self._refused = 0
         self._mean_s = FIRST_GUESS_S
         self._lock = threading.Lock()
 
@@ -35,6 +36,11 @@ class Gate:
     def in_flight(self) -> int:
         """Pieces of work that run or wait now."""
         return self._in_flight
+
+    @property
+    def refused(self) -> int:
+        """Pieces of work that were not let in, ever."""
+        return self._refused
 
     @property
     def retry_after_s(self) -> int:
@@ -51,6 +57,7 @@ class Gate:
         """
         with self._lock:
             if self._in_flight >= self._capacity:
+                self._refused += 1
                 raise ServerFull(
                     f"all {self._workers} workers are busy and the queue is full; "
                     f"send the request again in {self.retry_after_s} s",

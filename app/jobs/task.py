@@ -9,6 +9,7 @@ from concurrent.futures import Future
 from typing import Any
 
 from app.errors import Cancelled
+from app.logs import log_context
 
 
 class Task(Future[Any]):
@@ -26,6 +27,8 @@ class Task(Future[Any]):
         Its arguments; they travel by pickle.
     timeout_s : float or None
         Time limit of the running call; waiting does not count.
+    context : dict
+        The ids of the request or job that asked for it: its log lines bear them, whichever process writes them.
     """
 
     def __init__(self, function: Callable[..., Any], args: tuple[Any, ...], timeout_s: float | None) -> None:
@@ -33,6 +36,8 @@ class Task(Future[Any]):
         self.function = function
         self.args = args
         self.timeout_s = timeout_s
+        self.context = log_context()
+        self._submitted_s = time.monotonic()
         self._claim = threading.Lock()  # taken once, by whoever begins the task or takes it back
         self._state_lock = threading.Lock()
         self._end: Callable[[], None] | None = None
@@ -71,6 +76,11 @@ class Task(Future[Any]):
     def running_s(self) -> float | None:
         """Seconds since a worker took the task; None when none has."""
         return None if self._began_s is None else time.monotonic() - self._began_s
+
+    @property
+    def waited_s(self) -> float | None:
+        """Seconds until a worker took the task; None when none has."""
+        return None if self._began_s is None else self._began_s - self._submitted_s
 
     def begin(self) -> bool:
         """Claim the task for a worker; False when it was taken back before."""
