@@ -64,6 +64,24 @@ class PhotoTooLarge(InvalidInput):
     slug = "photo-too-large"
 
 
+class NotAuthenticated(ScattermarkError):
+    """A request without a key that is valid."""
+
+    slug = "not-authenticated"
+
+
+class NotAllowed(ScattermarkError):
+    """A key that is valid and may not do this."""
+
+    slug = "not-allowed"
+
+
+class TooManyRequests(ScattermarkError):
+    """A key that asks more often than its rate; ``fields['retry_after_s']`` says when to come back."""
+
+    slug = "too-many-requests"
+
+
 class NotFound(ScattermarkError):
     """A thing that was asked for does not exist."""
 

@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session as Session
 
 from app.errors import Conflict, OutOfSpace
 from app.errors import StorageUnavailable as StorageUnavailable
+from app.storage.audit import signing
 from app.storage.engines import Access, engine_for
 
 RETRY_AFTER_S = 1
@@ -41,12 +42,19 @@ class Database:
     def writing(self) -> Iterator[Session]:
         """A session whose work is committed as a whole when the block ends, and undone when it raises.
 
+        Whoever acts (``app.storage.audit``) stands in the audit for it.
+
         Raises
         ------
         StorageUnavailable
             When the database stays locked or is gone.
         """
-        with _translated(), Session(self.writer, expire_on_commit=False) as session, session.begin():
+        with (
+            _translated(),
+            Session(self.writer, expire_on_commit=False) as session,
+            session.begin(),
+            signing(session),
+        ):
             yield session
 
     @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.storage.models.access import AuditRow, BrowserSessionRow, KeyRow
 from app.storage.models.base import Base
 from app.storage.models.jobs import JobRow
 from app.storage.models.sites import ControlPointRow, SiteRow
@@ -10,11 +11,14 @@ from app.storage.models.target_maps import CameraRow, MappedTargetRow, MapPhotoR
 from app.storage.models.trajectories import SnapshotRow, TrajectoryRow
 
 __all__ = [
+    "AuditRow",
     "Base",
+    "BrowserSessionRow",
     "CameraRow",
     "ControlPointRow",
     "DetectionRow",
     "JobRow",
+    "KeyRow",
     "MapPhotoRow",
     "MappedTargetRow",
     "PhotographRow",
