@@ -52,7 +52,7 @@ class _Exchange:
             await self._send(message)
 
     async def receive(self) -> Message:
-        """The next part of the request; once it is complete, the news that its reader left or that the server closes."""
+        """The next part of the request; after the last, the news that its reader left or that the server closes."""
         if self._all_received:
             return await self._wait_for_end()
         message = await self._receive()

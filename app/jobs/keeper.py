@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 import threading
 from typing import Any
 
-from app.errors import Cancelled, WorkerCrashed
+from app.errors import Cancelled, TimedOut, WorkerCrashed
 from app.jobs.task import Task
 from app.jobs.worker import WorkerSetup
 from app.jobs.worker_process import WorkerGone, WorkerProcess
+from app.logs import logging_with
+
+log = logging.getLogger(__name__)
 
 
 class Keeper(threading.Thread):
@@ -21,6 +25,13 @@ class Keeper(threading.Thread):
         Shared by all keepers of a pool.
     setup : WorkerSetup
         What a new worker does first.
+
+    Attributes
+    ----------
+    busy : bool
+        Whether the worker is at work.
+    started, crashed, timed_out : int
+        Workers that were started, tasks that one died of, tasks that outlasted their time limit.
     """
 
     def __init__(self, waiting: queue.SimpleQueue[Task | None], setup: WorkerSetup) -> None:
@@ -30,6 +41,10 @@ class Keeper(threading.Thread):
         self._worker: WorkerProcess | None = None
         self._first_start = threading.Event()
         self._start_error: WorkerCrashed | None = None
+        self.busy = False
+        self.started = 0
+        self.crashed = 0
+        self.timed_out = 0
 
     @property
     def pid(self) -> int | None:
@@ -65,15 +80,31 @@ class Keeper(threading.Thread):
             self._worker.close()
             self._worker = None
         self._worker = WorkerProcess(self._setup)
+        self.started += 1
         return self._worker
 
     def _perform(self, task: Task) -> None:
+        self.busy = True
         try:
             value = self._exchange(task)
         except BaseException as error:  # noqa: BLE001 - it belongs to whoever waits for the task
+            self._note(task, error)
+            self.busy = False
             self._settle(task, None, error)
         else:
+            self.busy = False
             self._settle(task, value, None)
+
+    def _note(self, task: Task, error: BaseException) -> None:
+        """Count and log what became of the worker; whoever waits for the task gets the error in any case."""
+        if task.end_wanted or not isinstance(error, WorkerCrashed | TimedOut):
+            return
+        if isinstance(error, TimedOut):
+            self.timed_out += 1
+        else:
+            self.crashed += 1
+        with logging_with(task.context):
+            log.warning("a worker process is lost: %s", error.detail, extra={"task": task.function.__name__})
 
     def _exchange(self, task: Task) -> Any:
         try:
@@ -88,7 +119,7 @@ class Keeper(threading.Thread):
     def _hand_over(self, task: Task) -> WorkerProcess:
         worker = self._living_worker()
         task.attach(worker.kill)
-        worker.hand_over(task.function, task.args)
+        worker.hand_over(task.function, task.args, task.context)
         return worker
 
     @staticmethod

@@ -18,6 +18,8 @@ from app.jobs.gate import Gate
 from app.jobs.keeper import Keeper
 from app.jobs.task import Task
 from app.jobs.worker import Initializer, WorkerSetup
+from app.logs import present_options
+from app.services.ports import PoolFigures
 
 CLOSE_GRACE_S = 5.0  # running work may end by itself for so long when the pool closes
 
@@ -33,6 +35,11 @@ class WorkerPool:
         Called with ``initargs`` in each worker before it takes work: imports, settings, a first detection.
     initargs : tuple
         Arguments of the initializer.
+
+    Attributes
+    ----------
+    on_wait : callable or None
+        Called with the seconds that each piece of work has waited for a worker, once it is done.
     """
 
     def __init__(
@@ -40,10 +47,26 @@ class WorkerPool:
     ) -> None:
         self._gate = Gate(workers, queue_depth)
         self._waiting: queue.SimpleQueue[Task | None] = queue.SimpleQueue()
-        self._keepers = [Keeper(self._waiting, WorkerSetup(initializer, initargs)) for _ in range(workers)]
+        setup = WorkerSetup(initializer, initargs, present_options())
+        self._keepers = [Keeper(self._waiting, setup) for _ in range(workers)]
         self._in_flight: set[Task] = set()
         self._lock = threading.Lock()
         self._open = False
+        self.on_wait: Callable[[float], None] | None = None
+
+    @property
+    def figures(self) -> PoolFigures:
+        """The pool at this moment."""
+        busy = sum(keeper.busy for keeper in self._keepers)
+        return PoolFigures(
+            workers=len(self.pids),
+            busy=busy,
+            waiting=max(0, self.in_flight - busy),
+            refused=self._gate.refused,
+            crashed=sum(keeper.crashed for keeper in self._keepers),
+            timed_out=sum(keeper.timed_out for keeper in self._keepers),
+            started=sum(keeper.started for keeper in self._keepers),
+        )
 
     @property
     def in_flight(self) -> int:
@@ -141,3 +164,5 @@ class WorkerPool:
         with self._lock:
             self._in_flight.discard(task)
         self._gate.leave(task.running_s)
+        if self.on_wait is not None and task.waited_s is not None:
+            self.on_wait(task.waited_s)

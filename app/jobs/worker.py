@@ -17,6 +17,7 @@ import cv2
 from threadpoolctl import threadpool_limits
 
 from app.errors import ScattermarkError
+from app.logs import LogOptions, configure_logs, logging_with
 
 TAKEN = b"taken"
 
@@ -33,10 +34,11 @@ class Answer:
 
 @dataclass(frozen=True)
 class WorkerSetup:
-    """What each worker does before its first task."""
+    """What each worker does before its first task; it logs as its parent does."""
 
     initializer: Initializer | None = None
     initargs: tuple[Any, ...] = ()
+    logs: LogOptions | None = None
 
 
 def work(tasks: Connection, setup: WorkerSetup) -> None:
@@ -45,6 +47,8 @@ def work(tasks: Connection, setup: WorkerSetup) -> None:
     threading.Thread(target=_exit_with_parent, daemon=True).start()
     cv2.setNumThreads(1)  # the pool is the parallelism; more threads only contend
     threadpool_limits(limits=1)
+    if setup.logs is not None:
+        configure_logs(setup.logs)
     ready = _answer_of(setup.initializer, setup.initargs) if setup.initializer else Answer()
     try:
         _send(tasks, ready)
@@ -65,8 +69,9 @@ def _exit_with_parent() -> None:
 
 
 def _call(message: bytes) -> Any:
-    function, args = pickle.loads(message)
-    return function(*args)
+    function, args, context = pickle.loads(message)
+    with logging_with(context):
+        return function(*args)
 
 
 def _answer_of(function: Callable[..., Any], args: tuple[Any, ...]) -> Answer:

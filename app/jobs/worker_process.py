@@ -60,8 +60,8 @@ class WorkerProcess:
         """Whether the process runs, as far as is known: the news of a death may lag behind it."""
         return self._process.is_alive()
 
-    def hand_over(self, function: Callable[..., Any], args: tuple[Any, ...]) -> None:
-        """Give the worker a task and wait until it has taken it.
+    def hand_over(self, function: Callable[..., Any], args: tuple[Any, ...], context: dict[str, Any]) -> None:
+        """Give the worker a task, with the ids that its log lines shall bear, and wait until it has taken it.
 
         Raises
         ------
@@ -70,7 +70,7 @@ class WorkerProcess:
         Exception
             Whatever pickling raises when the task cannot travel; the worker is idle still.
         """
-        message = pickle.dumps((function, args), protocol=pickle.HIGHEST_PROTOCOL)
+        message = pickle.dumps((function, args, context), protocol=pickle.HIGHEST_PROTOCOL)
         try:
             self._tasks.send_bytes(message)
             self._tasks.recv_bytes()

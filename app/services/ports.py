@@ -4,11 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future
+from dataclasses import dataclass
 from typing import Any, Protocol
+
+
+@dataclass(frozen=True)
+class PoolFigures:
+    """A pool at this moment.
+
+    Attributes
+    ----------
+    workers, busy, waiting : int
+        Living worker processes, those of them at work, and pieces of work that wait for one.
+    refused, crashed, timed_out, started : int
+        Ever: pieces of work that were not let in, that a worker died of, that outlasted their time limit; and worker
+        processes that were started.
+    """
+
+    workers: int
+    busy: int
+    waiting: int
+    refused: int
+    crashed: int
+    timed_out: int
+    started: int
 
 
 class CpuPool(Protocol):
     """Worker processes behind a gate."""
+
+    @property
+    def figures(self) -> PoolFigures:
+        """The pool at this moment."""
 
     @property
     def pids(self) -> tuple[int, ...]:
