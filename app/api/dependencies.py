@@ -21,6 +21,7 @@ from app.storage.paging import PageRequest
 
 GREATEST_INTEGER = 2**31 - 1  # of a database column
 GREATEST_PAGE = 1000
+CURSOR = "^[A-Za-z0-9_-]+={0,2}$"  # base64 for URLs
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,9 @@ PathVersion = Annotated[int, Path(ge=1, le=GREATEST_INTEGER)]
 
 def page_request(
     limit: Annotated[int, Query(ge=1, le=GREATEST_PAGE)] = 100,
-    cursor: Annotated[str | None, Query(max_length=1000, description="What the page before named next_cursor.")] = None,
+    cursor: Annotated[
+        str | None, Query(max_length=1000, pattern=CURSOR, description="What the page before named next_cursor.")
+    ] = None,
 ) -> PageRequest:
     """Which page of a list is wanted."""
     return PageRequest(limit, cursor)

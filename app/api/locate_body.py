@@ -70,7 +70,7 @@ def locate_openapi() -> dict[str, Any]:
     """OpenAPI's word on the two ways."""
     schema = LocateParameters.model_json_schema(ref_template="#/components/schemas/{model}")
     definitions, required = schema.pop("$defs", {}), schema["required"]
-    properties = {name: _inline(value, definitions) for name, value in schema["properties"].items()}
+    properties = {name: _as_text(_inline(value, definitions)) for name, value in schema["properties"].items()}
     form = {
         "type": "object",
         "properties": {"image": {"type": "string", "format": "binary"}, **properties},
@@ -88,6 +88,14 @@ def locate_openapi() -> dict[str, Any]:
     ]
     body = {"required": True, "content": {FORM_TYPE: {"schema": form}, **IMAGE_BODY["content"]}}
     return {"requestBody": body, "parameters": parameters}
+
+
+def _as_text(schema: dict[str, Any]) -> dict[str, Any]:
+    """A field of a form or of a query is there or not: it is never null."""
+    options = [option for option in schema.get("anyOf", []) if option != {"type": "null"}]
+    if len(options) != 1:
+        return schema
+    return {**options[0], **{name: value for name, value in schema.items() if name not in ("anyOf", "default")}}
 
 
 def _inline(schema: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any]:

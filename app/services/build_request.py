@@ -64,7 +64,11 @@ def _check_site(session: Session, survey: Survey, options: BuildOptions) -> None
     family = family_by_name(sites.get(survey.site_id).code_family)
     unknown_codes = [code for code in options.exclude.codes if not family.contains(code)]
     if unknown_codes:
-        raise InvalidInput(f"exclude.codes: {unknown_codes} are no codes of family {family.name}", codes=unknown_codes)
+        raise InvalidInput(
+            f"exclude.codes: {unknown_codes} are no codes of family {family.name}",
+            field="exclude.codes",
+            codes=unknown_codes,
+        )
     points = sites.control_points(survey.site_id)
     _check_known("control_points", options.exclude.control_points, {point.name for point in points})
     if options.base_version is None:

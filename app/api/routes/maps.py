@@ -75,7 +75,7 @@ def activate_map(site_id: PathId, version: PathVersion, session: WriteSession) -
     return MapAnswer.of(maps.activate_map(session, site_id, version))
 
 
-@router.get("/cameras", responses=problems(422))
+@router.get("/cameras", responses=problems(404, 422))
 def list_cameras(
     page: Paging, session: ReadSession, site_id: Id | None = None, device_id: Text | None = None
 ) -> CamerasAnswer:

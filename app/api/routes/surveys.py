@@ -71,7 +71,7 @@ async def put_photo(
 
 @upload_router.post("/surveys/{survey_id}/images", status_code=201, responses=problems(400, 404, 409, 413, 415, 422))
 async def post_photos(
-    survey_id: PathId, images: Annotated[list[UploadFile], File()], services: Running
+    survey_id: PathId, images: Annotated[list[UploadFile], File(min_length=1)], services: Running
 ) -> UploadAnswer:
     """Upload photographs as a form, all or none."""
     added = await services.intake.take(survey_id, [(image.filename or "", chunks_of_file(image)) for image in images])

@@ -46,7 +46,7 @@ def close_trajectory(trajectory_id: PathId, session: WriteSession) -> Trajectory
     return TrajectoryAnswer.of(TrajectoryRepository(session).close(trajectory_id))
 
 
-@router.get("/trajectories", responses=problems(422))
+@router.get("/trajectories", responses=problems(404, 422))
 def list_trajectories(wanted: Wanted, page: Paging, session: ReadSession) -> TrajectoriesAnswer:
     """Trajectories in the order they were made.
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from app.services.capture_time import iso_of
 
-# Of JSON bodies: true is no number and "4.5" is text.
+
+def _without_point(value: Any) -> Any:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+# Of JSON bodies: true is no number and "4.5" is text. The bounds of
+# a whole number stand beside its strictness, before WHOLE: only from there do they reach the schema.
+WHOLE = BeforeValidator(_without_point)  # to JSON 3.0 is a whole number
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
-Whole = Annotated[int, Field(strict=True)]
 Truth = Annotated[bool, Field(strict=True)]
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[float], Field(min_length=4, max_length=4, description="x, y, z, w")]

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Json
 
 from app.api.dependencies import Id
-from app.api.schemas.common import Finite, Quaternion, Vector3, Whole, numbers_of, time_of
+from app.api.schemas.common import WHOLE, Finite, Quaternion, Vector3, numbers_of, time_of
 from app.api.schemas.texts import Text
 from app.geometry.camera import CalibratedCamera, Camera
 from app.geometry.rotation import photogrammetric_angles_deg
@@ -22,7 +22,7 @@ GREATEST_SIDE_PX = 100_000
 GREATEST_OFFSET_S = 1e10  # an epoch of 1970 instead of none: device clocks may begin anywhere
 DISTORTION_COUNTS = (0, 4, 5)  # none, k1 k2 p1 p2, or with k3
 
-Side = Annotated[Whole, Field(ge=1, le=GREATEST_SIDE_PX)]
+Side = Annotated[int, Field(strict=True, ge=1, le=GREATEST_SIDE_PX), WHOLE]
 Focal = Annotated[Finite, Field(gt=0)]
 
 

@@ -8,11 +8,13 @@ from typing import Annotated, Any, Literal
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field, model_validator
 
 from app.api.schemas.common import Body, Finite, Listing, numbers_of, time_of
-from app.api.schemas.texts import Text
+from app.api.schemas.texts import NAME, Text
 from app.geometry.control import ControlPoint
+from app.services.control_points import ControlLimits
 from app.services.sites import SiteChange
 from app.storage.paging import Page
 from app.storage.records import GeoAnchor, Site
+from app.targets.digits import CODE_COUNT
 from app.targets.family import FAMILY_NAMES
 from app.targets.layout import DEFAULT_U_M
 
@@ -111,16 +113,28 @@ class SitesAnswer(Listing):
         return cls(sites=[SiteAnswer.of(site) for site in page.items], next_cursor=page.next_cursor)
 
 
-class ControlPointRow(BaseModel):
+Metres = Annotated[Finite, Field(ge=-ControlLimits.greatest_m, le=ControlLimits.greatest_m)]
+
+
+class ControlPointRow(Body):
     """A control or check point, as sent and as shown."""
 
-    name: str
-    code: int
-    dot: str = Field(description="A ... E, r0c0 ... r3c3, or centre", examples=["A", "r2c1", "centre"])
-    x_m: Finite
-    y_m: Finite
-    z_m: Finite
-    sigma_m: Finite
+    name: Annotated[
+        str, Field(min_length=1, max_length=ControlLimits.greatest_name, json_schema_extra={"pattern": NAME.pattern})
+    ]
+    code: Annotated[int, Field(ge=0, lt=CODE_COUNT)]
+    dot: Annotated[
+        str,
+        Field(
+            pattern=r"^(?:[A-E]|r[0-3]c[0-3]|centre)$",
+            description="A ... E, r0c0 ... r3c3, or centre",
+            examples=["A", "r2c1", "centre"],
+        ),
+    ]
+    x_m: Metres
+    y_m: Metres
+    z_m: Metres
+    sigma_m: Annotated[Finite, Field(gt=0, le=ControlLimits.greatest_m)]
     role: Literal["control", "check"]
 
     @classmethod

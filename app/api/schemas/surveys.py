@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from app.api.dependencies import GREATEST_INTEGER
 from app.api.problems import Problem, kind_of_slug, problem_of
-from app.api.schemas.common import Body, Listing, Truth, Whole, time_of
+from app.api.schemas.common import WHOLE, Body, Listing, Truth, time_of
 from app.api.schemas.texts import LongText, Text
 from app.services.build_options import BuildOptions, Exclusion
 from app.services.surveys import AddedPhoto
@@ -110,12 +110,17 @@ class UploadAnswer(BaseModel):
     images: list[UploadedPhotoAnswer]
 
 
+GivenName = Annotated[str, Field(min_length=1, description="As it was given.")]
+Code = Annotated[int, Field(strict=True, ge=0, lt=CODE_COUNT), WHOLE]
+VersionNumber = Annotated[int, Field(strict=True, ge=1, le=GREATEST_INTEGER), WHOLE]
+
+
 class ExclusionBody(Body):
     """What a build shall leave out."""
 
-    images: tuple[str, ...] = ()
-    codes: tuple[Annotated[Whole, Field(ge=0, lt=CODE_COUNT)], ...] = ()
-    control_points: tuple[str, ...] = ()
+    images: tuple[GivenName, ...] = ()
+    codes: tuple[Code, ...] = ()
+    control_points: tuple[GivenName, ...] = ()
 
 
 class BuildBody(Body):
@@ -124,9 +129,7 @@ class BuildBody(Body):
     exclude: ExclusionBody = ExclusionBody()
     strictness: Literal["strict", "normal", "eager"] = "normal"
     activate: Annotated[Truth, Field(description="Whether snapshots are located in the new map at once.")] = True
-    base_version: Annotated[
-        Whole | None, Field(ge=1, le=GREATEST_INTEGER, description="The map that is extended; its datum stands.")
-    ] = None
+    base_version: VersionNumber | None = Field(None, description="The map that is extended; its datum stands.")
 
     def to_domain(self) -> BuildOptions:
         """The options as services know them."""

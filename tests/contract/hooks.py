@@ -1,0 +1,86 @@
+"""What schemathesis must know that an OpenAPI document cannot say: rules that refuse requests which fit the schema.
+
+A refusal is let pass only when its problem names one of these rules; any other refused request that fits is a failure.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import schemathesis
+from hypothesis import strategies
+
+from tests.api.bad_photos import encoded
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule of some operations.
+
+    Attributes
+    ----------
+    operations : str
+        Pattern of ``METHOD /path`` as the document writes them.
+    kinds : tuple of str
+        Last part of the problem's type.
+    fields : tuple of str
+        Where the problem says the fault lies; none when the kind says enough.
+    """
+
+    operations: str
+    kinds: tuple[str, ...]
+    fields: tuple[str, ...] = ()
+
+    def names(self, operation: str, problem: dict[str, Any]) -> bool:
+        """Whether it is this rule that the problem names."""
+        if not re.fullmatch(self.operations, operation) or problem["type"].rpartition("/")[2] not in self.kinds:
+            return False
+        blamed = {problem.get("field"), *(item["field"] for item in problem.get("errors", ()))} - {None}
+        return not self.fields or (bool(blamed) and blamed <= set(self.fields))
+
+
+RULES = (
+    # Any bytes fit `format: binary`; only a decoder knows a photograph.
+    Rule("(POST|PUT) /surveys/.*/images.*", ("bad-photo", "unsupported-photo", "photo-too-large")),
+    Rule("POST /locate", ("bad-photo", "unsupported-photo", "photo-too-large")),
+    # Whether a picture shows targets of the site's map is the question itself.
+    Rule("POST /locate", ("not-located",)),
+    # Letters of any script: the patterns that all tools of OpenAPI agree on know ASCII only.
+    Rule("(POST|PUT) /surveys/.*/images.*", ("invalid-input",), ("filename",)),
+    # No pattern knows the calendar, and none compares two parameters.
+    Rule("GET /trajectories.*", ("invalid-input",), ("from", "to", "bbox")),
+    Rule("POST /locate", ("invalid-input",), ("captured_at",)),
+    # A form's field is a text; what JSON it must hold is said in words.
+    Rule("POST /locate", ("invalid-input",), tuple(f"{place}.camera" for place in ("body", "query"))),
+    # Only what an answer named before: the cursor of a page, the id of an event.
+    Rule("GET .*", ("invalid-input",), ("cursor", "Last-Event-ID")),
+    # Names and codes of this survey and this site; codes of the site's family; points that can carry a datum.
+    Rule("POST /surveys/.*/build", ("invalid-input",), ("exclude.images", "exclude.codes", "exclude.control_points")),
+    Rule("(POST /surveys/.*/build)|(PUT /sites/.*/control-points)", ("invalid-control-points",)),
+)
+
+
+NOISE = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
+PHOTOGRAPHS = {f"image/{kind.lower()}": encoded(NOISE, kind) for kind in ("JPEG", "PNG", "WEBP")}
+
+# Half of the bytes sent as images are images: else no upload would get past the decoder.
+for media_type in (*PHOTOGRAPHS, "application/octet-stream"):
+    schemathesis.openapi.media_type(media_type, strategies.sampled_from([*PHOTOGRAPHS.values()]) | strategies.binary())
+
+
+@schemathesis.hook
+def filter_failure(
+    context: schemathesis.HookContext,  # noqa: ARG001 - the hook's signature
+    failure: Exception,
+    case: schemathesis.Case,
+    response: schemathesis.Response,
+) -> bool:
+    """Keep a failure, unless it is a refusal that one of the rules explains."""
+    if type(failure).__name__ != "RejectedPositiveData":
+        return True
+    operation = f"{case.method} {case.path}"
+    problem = response.json()
+    return not any(rule.names(operation, problem) for rule in RULES)
