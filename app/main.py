@@ -25,7 +25,7 @@ from app.services.workers import start_worker
 from app.settings import Settings, settings_from_environment
 from app.storage.database import Database
 from app.storage.migrate import check_tables, upgrade
-from app.storage.photo_store import PhotoStore
+from app.storage.photo_store import PhotoStore, open_photo_store
 from app.vision.photo import PhotoLimits
 
 
@@ -40,7 +40,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     """Start all that runs behind the interface, and end it in order."""
     database, photos = await asyncio.to_thread(_open_storage, settings)
     limits = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
-    bench = (settings.sqlalchemy_url, str(settings.photographs_dir))
+    bench = (settings.sqlalchemy_url, settings.photographs_location)
     locating = WorkerPool(settings.locate_workers, settings.queue_depth, start_worker, bench)
     # A build hands out as many photographs as there are workers; the next one is never refused.
     building = WorkerPool(settings.build_workers, settings.build_workers, start_worker, bench)
@@ -58,7 +58,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
             locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell),
             bell=bell,
             reports=ReportWriter(locating, settings.report_timeout_s),
-            readiness=Readiness(database, settings.photographs_dir, {"locate": locating, "build": building}),
+            readiness=Readiness(database, photos, {"locate": locating, "build": building}),
         )
     finally:
         await runner.close()
@@ -77,7 +77,7 @@ def _start_fork_server() -> None:
 def _open_storage(settings: Settings) -> tuple[Database, PhotoStore]:
     """Database and photographs; the embedded database is brought to the present tables, any other must have them."""
     settings.data_dir.mkdir(parents=True, exist_ok=True)
-    photos = PhotoStore(settings.photographs_dir)
+    photos = open_photo_store(settings.photographs_location)
     photos.sweep()
     database = Database(settings.sqlalchemy_url)
     with ExitStack() as if_it_fails:

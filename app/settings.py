@@ -12,6 +12,7 @@ from app.errors import InvalidInput
 
 PREFIX = "SCATTERMARK_"
 MEBIBYTE = 2**20
+MAY_BE_ZERO = ("queue_depth", "quota_bytes", "min_free_bytes")
 
 
 def _cores() -> int:
@@ -28,6 +29,13 @@ class Settings:
         Folder of photographs and, by default, of the SQLite database.
     database_url : str
         SQLAlchemy URL; empty for ``scattermark.db`` in ``data_dir``.
+    photographs_url : str
+        Where photographs lie: empty for ``photographs`` in ``data_dir``, a folder, or an object store such as
+        ``s3://bucket/prefix?region=...`` with its credentials in the environment.
+    quota_bytes : int
+        All photographs together; 0 for no limit.
+    min_free_bytes : int
+        Room on the disk that uploads leave to the database and to everybody else.
     locate_workers, build_workers : int
         Worker processes for snapshots and for builds; one per core each, as builds are rare.
     queue_depth : int
@@ -44,6 +52,9 @@ class Settings:
 
     data_dir: Path = Path("scattermark-data")
     database_url: str = ""
+    photographs_url: str = ""
+    quota_bytes: int = 0
+    min_free_bytes: int = 256 * MEBIBYTE
     locate_workers: int = field(default_factory=_cores)
     build_workers: int = field(default_factory=_cores)
     queue_depth: int = 8
@@ -59,7 +70,7 @@ class Settings:
     def __post_init__(self) -> None:
         for entry in fields(self):
             value = getattr(self, entry.name)
-            least = 0 if entry.name == "queue_depth" else 1
+            least = 0 if entry.name in MAY_BE_ZERO else 1
             if isinstance(value, int) and value < least:
                 raise InvalidInput(f"{PREFIX}{entry.name.upper()} must be at least {least}, got {value}")
             if isinstance(value, float) and not value > 0:
@@ -77,8 +88,13 @@ class Settings:
 
     @property
     def photographs_dir(self) -> Path:
-        """Folder of the photographs."""
+        """Folder of the photographs, unless a URL says otherwise."""
         return self.data_dir / "photographs"
+
+    @property
+    def photographs_location(self) -> str:
+        """Where the photographs lie, for ``open_photo_store``; the same whatever process asks."""
+        return self.photographs_url or str(self.photographs_dir.resolve())
 
 
 def settings_from_environment(environment: Mapping[str, str] | None = None) -> Settings:

@@ -10,6 +10,7 @@ from hypothesis import settings
 
 from app.storage.database import Database
 from tests.databases import Databases, PostgresDatabases, SqliteDatabases, postgres_server
+from tests.object_stores import S3Server, s3_server
 
 # No example has a time limit: a loaded machine is no fault of the code. In CI the examples are the same at each run, so
 # that a red run means a change; at a desk they differ, and find more.
@@ -60,3 +61,9 @@ def empty_database(databases: Databases) -> Iterator[Database]:
     yield opened
     opened.close()
     databases.take_back(url)
+
+
+@pytest.fixture(scope="session")
+def s3() -> Iterator[S3Server]:
+    with s3_server() as server:
+        yield server

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 from app.errors import ScattermarkError
 from app.services.ports import CpuPool
 from app.storage.database import Database
 from app.storage.migrate import check_tables
+from app.storage.photo_store import PhotoStore
 
 OK = "ok"
 
 
 class Readiness:
-    """Looks at what requests depend on: database, tables, photographs' folder, workers.
+    """Looks at what requests depend on: database, tables, photographs, workers.
 
     Parameters
     ----------
     database : Database
-    photographs_dir : Path
+    photos : PhotoStore
     pools : dict of CpuPool by name
     """
 
-    def __init__(self, database: Database, photographs_dir: Path, pools: dict[str, CpuPool]) -> None:
+    def __init__(self, database: Database, photos: PhotoStore, pools: dict[str, CpuPool]) -> None:
         self._database = database
-        self._photographs_dir = photographs_dir
+        self._photos = photos
         self._pools = pools
 
     def checks(self) -> dict[str, str]:
@@ -35,13 +34,9 @@ class Readiness:
         checks = {
             "database": _outcome(self._database.ping),
             "migrations": _outcome(partial(check_tables, self._database)),
-            "photographs": _outcome(self._check_folder),
+            "photographs": _outcome(self._photos.check),
         }
         return {**checks, **{f"{name}_workers": _workers(pool) for name, pool in self._pools.items()}}
-
-    def _check_folder(self) -> None:
-        with tempfile.TemporaryFile(dir=self._photographs_dir):
-            pass
 
 
 def _outcome(check: Callable[[], None]) -> str:
@@ -49,8 +44,6 @@ def _outcome(check: Callable[[], None]) -> str:
         check()
     except ScattermarkError as error:
         return error.detail
-    except OSError as error:
-        return f"photographs cannot be written: {error}"
     return OK
 
 

@@ -133,5 +133,5 @@ class PhotoIntake:
             added = tuple(AddedPhoto(item.photo, surveys.add_photo(survey_id, item.photo)) for item in arrived)
             # Files last: when one cannot be written the rows are undone; a file without a row harms nobody.
             for item in arrived:
-                item.incoming.keep()
+                self._photos.put(item.photo.sha256, item.incoming.content())
         return added

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from pathlib import Path
 
 from app.geometry.target_map import TargetMap
 from app.storage.database import Database
-from app.storage.photo_store import PhotoStore
+from app.storage.photo_store import PhotoStore, open_photo_store
 from app.storage.target_maps import TargetMapRepository
 
 MAPS_HELD = 16  # a map of 400 targets takes about 1 MB
@@ -42,9 +41,9 @@ class _Process:
     workbench: Workbench | None = None
 
 
-def open_workbench(database_url: str, photographs_dir: str) -> None:
+def open_workbench(database_url: str, photographs_url: str) -> None:
     """Set up this process; a worker's initializer calls it once."""
-    _Process.workbench = Workbench(Database(database_url), PhotoStore(Path(photographs_dir)))
+    _Process.workbench = Workbench(Database(database_url), open_photo_store(photographs_url))
 
 
 def workbench() -> Workbench:

@@ -16,9 +16,9 @@ WARM_UP_BORDER_PX = 60
 WARM_UP_GREY = 128
 
 
-def start_worker(database_url: str, photographs_dir: str) -> None:
+def start_worker(database_url: str, photographs_url: str) -> None:
     """Initializer of every worker that locates or builds."""
-    open_workbench(database_url, photographs_dir)
+    open_workbench(database_url, photographs_url)
     plate = plate_rgb(WARM_UP_CODE, WARM_UP_PX_PER_U)
     border = ((WARM_UP_BORDER_PX, WARM_UP_BORDER_PX), (WARM_UP_BORDER_PX, WARM_UP_BORDER_PX), (0, 0))
     picture = np.pad(plate, border, constant_values=WARM_UP_GREY)

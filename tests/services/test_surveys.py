@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from app.errors import BadPhoto, Conflict, InvalidInput, NotFound, PhotoTooLarge
+from app.errors import BadPhoto, Conflict, InvalidInput, NotFound, OutOfSpace, PhotoTooLarge
 from app.services.surveys import AddedPhoto, PhotoIntake, checked_filename
 from app.storage.database import Database
-from app.storage.photo_store import PhotoStore
+from app.storage.photo_store import open_photo_store
 from app.storage.surveys import SurveyRepository
 from app.vision.photo import PhotoLimits
 from tests.storage.examples import site_with_survey
@@ -44,7 +44,7 @@ class Survey:
     def __init__(self, database: Database, folder: Path) -> None:
         self.database, self.folder = database, folder
         _, self.survey_id = site_with_survey(database)
-        self.intake = PhotoIntake(database, PhotoStore(folder), LIMITS)
+        self.intake = PhotoIntake(database, open_photo_store(str(folder)), LIMITS)
 
     def take(self, *files: tuple[str, bytes], breaks_off: bool = False) -> tuple[AddedPhoto, ...]:
         chunks = [(name, in_chunks(data, breaks_off)) for name, data in files]
@@ -115,7 +115,7 @@ def test_a_full_disk_undoes_the_rows(survey: Survey, monkeypatch: pytest.MonkeyP
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "replace", full)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(OutOfSpace, match="make room"):
         survey.take(("a.jpg", jpeg(1)))
     assert survey.names == []
     assert survey.files == 0

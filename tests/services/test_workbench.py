@@ -8,7 +8,7 @@ from app.errors import NotFound
 from app.services import workbench as workbench_module
 from app.services.workbench import Workbench
 from app.storage.database import Database
-from app.storage.photo_store import PhotoStore
+from app.storage.photo_store import open_photo_store
 from app.storage.target_maps import TargetMapRepository
 from tests.storage import examples
 
@@ -23,7 +23,7 @@ def test_maps_are_read_once_and_the_oldest_go_first(
             TargetMapRepository(session).publish(
                 site.site_id, examples.publication(f"job-{number}", survey_id, (388 + number,))
             )
-    bench = Workbench(database, PhotoStore(tmp_path / "photographs"))
+    bench = Workbench(database, open_photo_store(str(tmp_path / "photographs")))
     first = bench.target_map(site.site_id, 1)
     assert bench.target_map(site.site_id, 1) is first
     assert list(bench.target_map(site.site_id, 2).by_code) == [390]
