@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Connection, text
+from sqlalchemy import Connection, QueuePool, text
 from sqlalchemy.exc import IntegrityError, OperationalError
 from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from sqlalchemy.orm import Session as Session
@@ -107,6 +107,12 @@ class Database:
         """
         with self.reading() as session:
             session.execute(text("SELECT 1"))
+
+    def connections(self) -> dict[str, tuple[int, int]]:
+        """Open connections of this process by what their sessions do: how many are in use, how many idle."""
+        engines = {Access.WRITE: self.writer, Access.RECORD: self.recorder, Access.READ: self.reader}
+        pools = {access: engine.pool for access, engine in engines.items() if isinstance(engine.pool, QueuePool)}
+        return {access.value: (pool.checkedout(), pool.checkedin()) for access, pool in pools.items()}
 
     def close(self) -> None:
         """Let go of all connections."""
