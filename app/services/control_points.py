@@ -178,7 +178,7 @@ def _point_of_record(
         return RowError(row, "code", f"{record['code']!r} is no code of the site's family {family.name}")
     name, dot, role = (str(record[column]).strip() for column in ("name", "dot", "role"))
     if not 0 < len(name) <= limits.greatest_name or not name.isprintable():
-        return RowError(row, "name", f"a name has 1 to {limits.greatest_name} printable characters")
+        return RowError(row, "name", f"a name has at least one and at most {limits.greatest_name} printable characters")
     position_m = np.array([numbers["x_m"], numbers["y_m"], numbers["z_m"]])
     try:
         return ControlPoint(name, int(code), dot, position_m, numbers["sigma_m"], role)  # type: ignore[arg-type]
