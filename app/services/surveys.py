@@ -78,6 +78,8 @@ def _inspect(name: str, incoming: IncomingPhoto, limits: PhotoLimits) -> Arrived
         name=name,
         sha256=incoming.sha256,
         size_bytes=incoming.size_bytes,
+        sent_sha256=incoming.sha256,
+        sent_bytes=incoming.size_bytes,
         identity=header.identity,
         captured_at=header.captured_at,
         created_s=time.time(),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from app.errors import InvalidInput
 from app.geometry.camera import CalibratedCamera, CameraIdentity
 from app.geometry.pose import Pose
 from app.geometry.target_map import TargetMap
@@ -34,6 +37,40 @@ class GeoAnchor:
     azimuth_deg: float = 0.0
 
 
+class Keep(Enum):
+    """Which snapshots' pictures a site keeps."""
+
+    NONE = "none"
+    FAILURES = "failures"
+    ALL = "all"
+
+
+@dataclass(frozen=True)
+class KeepingPolicy:
+    """Which snapshots' pictures a site keeps, and for how long.
+
+    Attributes
+    ----------
+    retention_s : float or None
+        From the moment they come; None until they are deleted.
+    """
+
+    keep: Keep = Keep.NONE
+    retention_s: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.retention_s is not None and not 0 < self.retention_s < math.inf:
+            raise InvalidInput(
+                f"pictures are kept for a positive number of seconds or, with null, until they are deleted, "
+                f"not for {self.retention_s}",
+                field="snapshot_retention_s",
+            )
+
+    def wants(self, *, located: bool) -> bool:
+        """Whether the picture of a snapshot is kept, which was located or was not."""
+        return self.keep is Keep.ALL or (self.keep is Keep.FAILURES and not located)
+
+
 @dataclass(frozen=True)
 class Site:
     """A place whose targets share one frame, one code family and one nominal size.
@@ -55,6 +92,7 @@ class Site:
     geo_anchor: GeoAnchor | None
     active_version: int | None
     created_s: float
+    keeping: KeepingPolicy = KeepingPolicy()
 
 
 @dataclass(frozen=True)
@@ -70,11 +108,21 @@ class Survey:
 
 @dataclass(frozen=True)
 class StoredPhoto:
-    """A photograph of a survey; its bytes are in the photo store under ``sha256``."""
+    """A photograph of a survey.
+
+    Attributes
+    ----------
+    sha256, size_bytes : str, int
+        Of what is in the photo store, without any position on the Earth.
+    sent_sha256, sent_bytes : str, int
+        Of what the client sent: the same, unless that held a position.
+    """
 
     name: str
     sha256: str
     size_bytes: int
+    sent_sha256: str
+    sent_bytes: int
     identity: CameraIdentity
     captured_at: str | None
     created_s: float

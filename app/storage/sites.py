@@ -16,7 +16,7 @@ from app.geometry.control import ControlPoint, Role
 from app.storage.ids import new_id
 from app.storage.models import ControlPointRow, SiteRow
 from app.storage.paging import Page, PageRequest, page_of
-from app.storage.records import GeoAnchor, Site
+from app.storage.records import GeoAnchor, Keep, KeepingPolicy, Site
 
 
 class SiteRepository:
@@ -35,6 +35,8 @@ class SiteRepository:
             geo_anchor=None if geo_anchor is None else asdict(geo_anchor),
             active_version=None,
             last_version=0,
+            keep_snapshots=Keep.NONE.value,
+            snapshot_retention_s=None,
             created_s=time.time(),
         )
         self._session.add(row)
@@ -65,6 +67,11 @@ class SiteRepository:
         """Tie a site to the Earth, or untie it."""
         row = find_site_row(self._session, site_id, lock=True)
         row.geo_anchor = None if geo_anchor is None else asdict(geo_anchor)
+
+    def keep(self, site_id: str, keeping: KeepingPolicy) -> None:
+        """Say what is kept of the pictures of snapshots from now on, and for how long what is kept stays."""
+        row = find_site_row(self._session, site_id, lock=True)
+        row.keep_snapshots, row.snapshot_retention_s = keeping.keep.value, keeping.retention_s
 
     def lock(self, site_id: str) -> None:
         """Let nobody else change a site, or add anything to it, until the transaction ends.
@@ -116,6 +123,7 @@ def _site(row: SiteRow) -> Site:
         geo_anchor=None if row.geo_anchor is None else GeoAnchor(**row.geo_anchor),
         active_version=row.active_version,
         created_s=row.created_s,
+        keeping=KeepingPolicy(Keep(row.keep_snapshots), row.snapshot_retention_s),
     )
 
 

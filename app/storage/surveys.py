@@ -85,11 +85,11 @@ class SurveyRepository:
         """
         if insert_if_absent(self._session, PhotographRow, **_photo_values(survey_id, photo)):
             return True
-        query = select(PhotographRow.sha256).where(
+        query = select(PhotographRow.sent_sha256).where(
             PhotographRow.survey_id == survey_id, PhotographRow.name == photo.name
         )
         present_sha256 = self._session.scalars(query).one()
-        if present_sha256 != photo.sha256:
+        if present_sha256 != photo.sent_sha256:
             raise Conflict(
                 f"the survey already has another photograph named {photo.name}; upload this one under another name",
                 filename=photo.name,
@@ -163,6 +163,8 @@ def _photo_values(survey_id: str, photo: StoredPhoto) -> dict[str, Any]:
         "name": photo.name,
         "sha256": photo.sha256,
         "size_bytes": photo.size_bytes,
+        "sent_sha256": photo.sent_sha256,
+        "sent_bytes": photo.sent_bytes,
         "identity": asdict(photo.identity),
         "captured_at": photo.captured_at,
         "created_s": photo.created_s,
@@ -174,6 +176,8 @@ def _photo(row: PhotographRow) -> StoredPhoto:
         name=row.name,
         sha256=row.sha256,
         size_bytes=row.size_bytes,
+        sent_sha256=row.sent_sha256,
+        sent_bytes=row.sent_bytes,
         identity=CameraIdentity(**row.identity),
         captured_at=row.captured_at,
         created_s=row.created_s,

@@ -80,7 +80,7 @@ def detection() -> Detection:
 
 
 def photo(name: str = "a.jpg", sha256: str = "a" * 64) -> StoredPhoto:
-    return StoredPhoto(name, sha256, 12345, IDENTITY, "2026:05:01 09:30:00", 1777627800.25)
+    return StoredPhoto(name, sha256, 12345, sha256[::-1], 23456, IDENTITY, "2026:05:01 09:30:00", 1777627800.25)
 
 
 def located() -> Located:

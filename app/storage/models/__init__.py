@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from app.storage.models.access import AuditRow, BrowserSessionRow, KeyRow
 from app.storage.models.base import Base
-from app.storage.models.jobs import JobRow
+from app.storage.models.jobs import JobRow, WorkerRow
+from app.storage.models.kept_snapshots import KeptSnapshotRow
 from app.storage.models.sites import ControlPointRow, SiteRow
 from app.storage.models.surveys import DetectionRow, PhotographRow, SurveyRow
 from app.storage.models.target_maps import CameraRow, MappedTargetRow, MapPhotoRow, TargetMapRow
@@ -18,6 +19,7 @@ __all__ = [
     "ControlPointRow",
     "DetectionRow",
     "JobRow",
+    "KeptSnapshotRow",
     "KeyRow",
     "MapPhotoRow",
     "MappedTargetRow",
@@ -27,4 +29,5 @@ __all__ = [
     "SurveyRow",
     "TargetMapRow",
     "TrajectoryRow",
+    "WorkerRow",
 ]

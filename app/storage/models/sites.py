@@ -19,6 +19,8 @@ class SiteRow(Base):
     geo_anchor: Mapped[Json | None] = mapped_column(JSON(none_as_null=True))
     active_version: Mapped[int | None]
     last_version: Mapped[int]
+    keep_snapshots: Mapped[Short] = mapped_column(default="none")
+    snapshot_retention_s: Mapped[Number | None]
     created_s: Mapped[Number]
 
 

@@ -20,7 +20,10 @@ class SurveyRow(Base):
 
 
 class PhotographRow(Base):
-    """A photograph of a survey; its bytes lie in the photo store under their digest."""
+    """A photograph of a survey; its bytes lie in the photo store under ``sha256``.
+
+    What was sent may have held a position, and had other bytes then: its digest is what the client knows.
+    """
 
     __tablename__ = "photographs"
     __table_args__ = (UniqueConstraint("survey_id", "name"),)
@@ -29,6 +32,8 @@ class PhotographRow(Base):
     name: Mapped[Short]
     sha256: Mapped[Digest] = mapped_column(index=True)
     size_bytes: Mapped[Size]
+    sent_sha256: Mapped[Digest]
+    sent_bytes: Mapped[Size]
     identity: Mapped[Json]
     captured_at: Mapped[Long | None]  # as the camera wrote it, which may be anything
     created_s: Mapped[Number]

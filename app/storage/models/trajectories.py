@@ -19,7 +19,8 @@ class TrajectoryRow(Base):
     default_key: Mapped[str | None] = mapped_column(Text(), unique=True)  # one open default per site and device
     created_s: Mapped[Number]
     closed_s: Mapped[Number | None]
-    snapshot_count: Mapped[int]
+    snapshot_count: Mapped[int]  # with those that were removed: ordinals are never given twice
+    removed_count: Mapped[int] = mapped_column(default=0)
     failures: Mapped[Json]  # how many by reason
     first_s: Mapped[Number | None]
     last_s: Mapped[Number | None]
