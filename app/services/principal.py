@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -9,6 +10,22 @@ from app.errors import InvalidInput, NotFound
 
 Scope = Literal["locate", "survey", "analyse", "admin"]
 SCOPES: tuple[Scope, ...] = get_args(Scope)
+
+
+def checked_scopes(names: Collection[str]) -> tuple[Scope, ...]:
+    """Scopes by their names, in the order of the list above, each once.
+
+    Raises
+    ------
+    InvalidInput
+        For none, and for one that does not exist.
+    """
+    unknown = sorted(set(names).difference(SCOPES))
+    if unknown or not names:
+        raise InvalidInput(
+            f"a key has one or more of the scopes {', '.join(SCOPES)}, not {', '.join(unknown) or 'none'}", field="scopes"
+        )
+    return tuple(scope for scope in SCOPES if scope in names)
 
 
 @dataclass(frozen=True)
@@ -33,9 +50,8 @@ class Principal:
     site_ids: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
-        unknown = sorted(self.scopes.difference(SCOPES))
-        if unknown or not self.scopes:
-            raise InvalidInput(f"scopes are some of {', '.join(SCOPES)}, got {', '.join(unknown) or 'none'}")
+        if not self.scopes:
+            raise ValueError("whoever may do nothing is nobody")
 
     def may(self, *scopes: str) -> bool:
         """Whether one of these scopes is held."""

@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sqlalchemy import delete, event, select
 from sqlalchemy.orm import Session, UOWTransaction
@@ -72,6 +72,10 @@ class PendingEntry:
         self._subject = {name: text[:GREATEST_TEXT] for name, text in subject.items()}
         self.written = False
 
+    def identify(self, key_id: str, name: str) -> None:
+        """Say who it is, once it is known."""
+        self._actor = replace(self._actor, key_id=key_id, name=name)
+
     def with_made(self, made: dict[str, str], outcome: str = DONE) -> AuditEntry:
         """The row's content, once it is known what the transaction made."""
         return AuditEntry(self._actor, self._action, {**made, **self._subject}, outcome)
@@ -93,6 +97,13 @@ def noting(actor: Actor, action: str, subject: dict[str, str]) -> Iterator[None]
 def expect_change(actor: Actor, action: str, subject: dict[str, str]) -> None:
     """``noting`` until the end of the present task, such as a request's."""
     _pending.set(PendingEntry(actor, action, subject))
+
+
+def identify(key_id: str, name: str) -> None:
+    """Say which key's doing the present task's change is, when it came out only now."""
+    pending = _pending.get()
+    if pending is not None:
+        pending.identify(key_id, name)
 
 
 @contextmanager
