@@ -17,7 +17,10 @@ from app.jobs.builds import BuildRunner
 from app.jobs.pool import WorkerPool
 from app.services.build_map import BuildLimits, MapBuilder
 from app.services.locate import LocateLimits, Locator
-from app.services.readiness import Readiness
+from app.services.metrics import ServiceMetrics
+from app.services.metrics_of_pools import ConnectionMetrics, PoolMetrics
+from app.services.metrics_of_stored import StoredMetrics
+from app.services.readiness import Dependencies, Readiness
 from app.services.report import ReportWriter
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
@@ -58,12 +61,23 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
             locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell),
             bell=bell,
             reports=ReportWriter(locating, settings.report_timeout_s),
-            readiness=Readiness(database, photos, {"locate": locating, "build": building}),
+            readiness=Readiness(
+                Dependencies(database, photos, locating, settings.min_free_bytes, lambda: len(building.pids))
+            ),
+            metrics=_metrics(database, {"locate": locating, "build": building}),
         )
     finally:
         await runner.close()
         await asyncio.gather(asyncio.to_thread(locating.close), asyncio.to_thread(building.close))
         database.close()
+
+
+def _metrics(database: Database, pools: dict[str, WorkerPool]) -> ServiceMetrics:
+    metrics = ServiceMetrics()
+    for collector in (PoolMetrics(pools), ConnectionMetrics(database), StoredMetrics(database)):
+        metrics.include(collector)
+    pools["locate"].on_wait = metrics.waited
+    return metrics
 
 
 def _start_fork_server() -> None:

@@ -12,7 +12,7 @@ from app.errors import InvalidInput
 
 PREFIX = "SCATTERMARK_"
 MEBIBYTE = 2**20
-MAY_BE_ZERO = ("queue_depth", "quota_bytes", "min_free_bytes")
+MAY_BE_ZERO = ("queue_depth", "quota_bytes", "min_free_bytes", "drain_s", "worker_metrics_port")
 
 
 def _cores() -> int:
@@ -48,6 +48,17 @@ class Settings:
         Largest request that carries many photographs.
     max_text_bytes : int
         Largest request of any other kind (JSON, CSV).
+    upload_grace_s : float
+        Time that a request's body may take however slowly it comes; each byte that has come extends it.
+    max_slow_uploads : int
+        Bodies that may be slow at a time.
+    drain_s : float
+        How long a server that was told to stop says so at ``/readyz`` and still takes requests: time for a load
+        balancer to notice.
+    worker_metrics_port : int
+        Where a worker tells Prometheus about its builds; 0 for nowhere.
+    log_format, log_level : str
+        ``json`` or ``console``, empty for whichever suits standard error; ``debug`` to ``error``.
     """
 
     data_dir: Path = Path("scattermark-data")
@@ -66,6 +77,12 @@ class Settings:
     max_photo_pixels: int = 64_000_000
     max_upload_bytes: int = 1024 * MEBIBYTE
     max_text_bytes: int = 8 * MEBIBYTE
+    upload_grace_s: float = 20.0
+    max_slow_uploads: int = 128
+    drain_s: float = 0.0
+    worker_metrics_port: int = 0
+    log_format: str = ""
+    log_level: str = "info"
 
     def __post_init__(self) -> None:
         for entry in fields(self):
@@ -73,7 +90,7 @@ class Settings:
             least = 0 if entry.name in MAY_BE_ZERO else 1
             if isinstance(value, int) and value < least:
                 raise InvalidInput(f"{PREFIX}{entry.name.upper()} must be at least {least}, got {value}")
-            if isinstance(value, float) and not value > 0:
+            if isinstance(value, float) and not (value > 0 or value == least):
                 raise InvalidInput(f"{PREFIX}{entry.name.upper()} must be positive, got {value}")
 
     @property

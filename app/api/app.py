@@ -8,15 +8,16 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
-from prometheus_client import CollectorRegistry
 
 from app.api.dependencies import Services
 from app.api.faults import FaultsAsProblems
 from app.api.http_metrics import HttpMetrics
+from app.api.metrics_page import MetricsPage
 from app.api.observed import Observed
 from app.api.problems import Problem, add_handlers
 from app.api.request_id import RequestIds
 from app.api.routes import jobs, locate, maps, operations, sites, surveys, trajectories
+from app.api.slow_bodies import Patience, SlowBodies
 from app.api.streams import StreamsEndWithServer
 from app.api.too_large import TooLargeAsProblem
 from app.services.draining import Draining
@@ -41,19 +42,22 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     """
 
     @asynccontextmanager
-    async def lifespan(_app: FastAPI) -> AsyncIterator[dict[str, Any]]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
         async with open_services() as services:
+            app.state.metrics_page.registry.register(services.metrics)
             yield {"services": services}
+            app.state.metrics_page.registry.unregister(services.metrics)
 
     app = FastAPI(title="Scattermark", description=DESCRIPTION, lifespan=lifespan)
     add_handlers(app)
     app.state.draining = Draining()  # whoever runs the server says when it leaves
-    app.state.registry = CollectorRegistry()
+    app.state.metrics_page = MetricsPage()
     # From the inside to the outside.
+    app.add_middleware(SlowBodies, patience=Patience(settings.upload_grace_s, most_slow=settings.max_slow_uploads))
     app.add_middleware(TooLargeAsProblem)
     app.add_middleware(FaultsAsProblems)
     app.add_middleware(StreamsEndWithServer, draining=app.state.draining)
-    app.add_middleware(Observed, metrics=HttpMetrics(app.state.registry))
+    app.add_middleware(Observed, metrics=HttpMetrics(app.state.metrics_page.registry))
     app.add_middleware(RequestIds)
     snapshot_bytes = settings.max_photo_bytes + FORM_OVERHEAD_BYTES
     for routes in (sites, surveys, jobs, maps, trajectories, operations):

@@ -11,6 +11,7 @@ from pydantic import AfterValidator
 
 from app.errors import NotFound
 from app.services.locate import Locator
+from app.services.metrics import ServiceMetrics
 from app.services.ports import BuildQueue
 from app.services.readiness import Readiness
 from app.services.report import ReportWriter
@@ -35,6 +36,7 @@ class Services:
     reports: ReportWriter
     bell: TrajectoryBell
     readiness: Readiness
+    metrics: ServiceMetrics
 
 
 def services_of(request: Request) -> Services:

@@ -10,7 +10,7 @@ def test_the_service_says_that_it_lives_and_is_ready(served: Served) -> None:
     ready = served.client.get("/readyz")
     assert ready.status_code == 200
     checks = ready.json()["checks"]
-    assert set(checks) == {"database", "migrations", "photographs", "locate_workers", "build_workers"}
+    assert set(checks) == {"database", "migrations", "photographs", "locate_workers", "serving", "disk", "builds"}
     assert set(checks.values()) == {"ok"}
 
 

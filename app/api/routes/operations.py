@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import time
 
-from fastapi import APIRouter, Response
-from pydantic import BaseModel
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import PlainTextResponse
+from pydantic import BaseModel, Field
 
 from app.api.dependencies import Running
-from app.services.readiness import OK
+from app.api.metrics_page import MetricsPage
+from app.api.problems import problems
+from app.api.security import needs
 
 router = APIRouter(tags=["operations"])
 
@@ -28,7 +31,8 @@ class HealthAnswer(BaseModel):
 class ReadyAnswer(HealthAnswer):
     """What requests depend on."""
 
-    checks: dict[str, str]
+    status: str = Field(description="ready, degraded (snapshots are located, something else waits) or not ready.")
+    checks: dict[str, str] = Field(description="Each check by name: ok, or what is wrong and what to do.")
 
 
 @router.get("/time")
@@ -44,9 +48,20 @@ async def get_health() -> HealthAnswer:
 
 
 @router.get("/readyz", responses={503: {"model": ReadyAnswer, "description": "Not ready"}})
-def get_readiness(response: Response, services: Running) -> ReadyAnswer:
-    """Whether the server can do its work now, check by check."""
-    checks = services.readiness.checks()
-    ready = all(outcome == OK for outcome in checks.values())
-    response.status_code = 200 if ready else 503
-    return ReadyAnswer(status="ready" if ready else "not ready", checks=checks)
+async def get_readiness(request: Request, response: Response, services: Running) -> ReadyAnswer:
+    """Whether the server can do its work now, check by check; the answer comes within seconds, whatever hangs."""
+    report = await services.readiness.look(request.app.state.draining.announced)
+    response.status_code = 200 if report.takes_requests else 503
+    return ReadyAnswer(status=report.status, checks=dict(report.checks))
+
+
+@router.get(
+    "/metrics",
+    response_class=PlainTextResponse,
+    responses=problems(504),
+    dependencies=[needs("admin", "analyse")],
+)
+async def get_metrics(request: Request) -> Response:
+    """What Prometheus reads."""
+    page: MetricsPage = request.app.state.metrics_page
+    return await page.answer()
