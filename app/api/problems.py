@@ -58,8 +58,10 @@ HTTP_PROBLEMS: dict[int, tuple[str, str, str]] = {
     404: ("not-found", "Not found", "there is nothing at {path}; /docs lists the calls"),
     405: ("method-not-allowed", "Method not allowed", "{path} does not take {method}; /docs lists the calls"),
     406: ("not-acceptable", "Not acceptable", "{detail}"),
+    408: ("too-slow", "Request too slow", "{detail}; send the request again, over a faster connection if there is one"),
     413: ("too-large", "Request too large", "the request is larger than this call takes; send less at a time"),
     415: ("unsupported-media-type", "Unsupported media type", "{detail}"),
+    503: ("server-full", "Server full", "{detail}"),
 }
 
 
