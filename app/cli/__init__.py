@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
-from app.cli import build, demo, detect, locate, migrate, serve
+from app.cli import backup, build, demo, detect, locate, migrate, restore, serve
 from app.errors import ScattermarkError
 
 COMMANDS = {
@@ -20,6 +20,8 @@ COMMANDS = {
     "build": build,
     "locate": locate,
     "migrate": migrate,
+    "backup": backup,
+    "restore": restore,
 }
 
 FAILED = 1

@@ -34,6 +34,11 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON for machines")
 
 
+def add_data_dir(parser: argparse.ArgumentParser) -> None:
+    """Which installation is meant, when the environment does not say."""
+    parser.add_argument("--data-dir", type=Path, help="folder of photographs and database (SCATTERMARK_DATA_DIR)")
+
+
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """Width of the worker pool."""
     parser.add_argument("--workers", type=at_least_one, default=os.cpu_count() or 1, help="worker processes (cores)")

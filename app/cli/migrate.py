@@ -53,7 +53,7 @@ def migrate(settings: Settings) -> None:
 
     if settings.embedded:
         settings.data_dir.mkdir(parents=True, exist_ok=True)
-    database = _database(settings)
+    database = open_database(settings)
     try:
         upgrade(database)
     except DatabaseError as error:
@@ -65,7 +65,14 @@ def migrate(settings: Settings) -> None:
         database.close()
 
 
-def _database(settings: Settings) -> Database:
+def open_database(settings: Settings) -> Database:
+    """The database that settings name; it connects when first used.
+
+    Raises
+    ------
+    InvalidInput
+        When the URL is none, or its driver is not installed.
+    """
     from sqlalchemy.exc import ArgumentError
 
     from app.storage.database import Database

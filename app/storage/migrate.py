@@ -10,6 +10,7 @@ from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
+from sqlalchemy import Connection
 
 from app.errors import ScattermarkError
 from app.storage.database import Database
@@ -50,7 +51,12 @@ def migrations_folder() -> Path:
 def upgrade(database: Database, revision: str = "head") -> None:
     """Bring the database up to a revision; nothing happens when it is there."""
     with database.migrating() as connection:
-        command.upgrade(_config(connection), revision)
+        upgrade_on(connection, revision)
+
+
+def upgrade_on(connection: Connection, revision: str = "head") -> None:
+    """``upgrade`` within a transaction of ``Database.migrating`` that does more than this."""
+    command.upgrade(_config(connection), revision)
 
 
 def downgrade(database: Database, revision: str) -> None:

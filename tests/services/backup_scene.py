@@ -1,0 +1,75 @@
+"""An installation with something in every table, and what two installations must have in common after a restore."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import select, update
+
+from app.storage.archive_schema import current_revision, kept_tables, tables_at
+from app.storage.database import Database
+from app.storage.jobs import JobRepository
+from app.storage.models import JobRow
+from app.storage.photo_store import PhotoStore, open_photo_store
+from app.storage.records import GeoAnchor
+from app.storage.sites import SiteRepository
+from app.storage.surveys import DetectionKey, DetectionRepository, SurveyRepository
+from app.storage.target_maps import TargetMapRepository
+from app.storage.trajectories import TrajectoryRepository
+from tests.storage.examples import REFUSED, detection, located, photo, publication, snapshot
+
+PHOTOS = {f"IMG_{number}.jpg": f"the bytes of photograph {number}".encode() for number in range(3)}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An installation and what is in it."""
+
+    database: Database
+    photos: PhotoStore
+    site_id: str
+    survey_id: str
+    job_id: str
+
+
+def sha256_of(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def fill(database: Database, folder: Path) -> Scene:
+    """A site with all that a site can have, and a build that is under way."""
+    photos = open_photo_store(str(folder))
+    for data in PHOTOS.values():
+        photos.put(sha256_of(data), data)
+    with database.writing() as session:
+        site = SiteRepository(session).add("room", "golay", 0.0137, GeoAnchor(48.1, 11.5, 520.0, 12.5))
+        survey_id = SurveyRepository(session).add(site.site_id, "first", "phone-1").survey_id
+        for name, data in PHOTOS.items():
+            SurveyRepository(session).add_photo(survey_id, photo(name, sha256_of(data)))
+            DetectionRepository(session).put(DetectionKey(sha256_of(data), "default-1", "0" * 64), detection())
+        jobs = JobRepository(session)
+        done, under_way = (jobs.add("build", site.site_id, survey_id, {"strictness": "normal"}).job_id for _ in "12")
+        ended = {"state": "succeeded", "stage": "done", "done": 3, "total": 3, "result": {"map_version": 1}}
+        running = {"state": "running", "stage": "detect", "done": 2, "total": 3, "owner": "host-1", "started_s": 1.7e9}
+        session.execute(update(JobRow).where(JobRow.id == done).values(**ended))
+        session.execute(update(JobRow).where(JobRow.id == under_way).values(**running))
+        TargetMapRepository(session).publish(site.site_id, publication(done, survey_id))
+        TargetMapRepository(session).activate(site.site_id, 1)
+        trajectories = TrajectoryRepository(session)
+        default = trajectories.default(site.site_id, "phone-1").trajectory_id
+        for outcome in (located(), REFUSED, located()):
+            trajectories.record(default, snapshot(site, outcome))
+    return Scene(database, photos, site.site_id, survey_id, under_way)
+
+
+def rows_of(database: Database) -> dict[str, list[tuple[Any, ...]]]:
+    """All rows that a backup keeps, by table, in the order of their keys."""
+    with database.reading() as session:
+        tables = kept_tables(tables_at(current_revision(session.connection())))
+        return {
+            table.name: [tuple(row) for row in session.execute(select(table).order_by(*table.primary_key.columns))]
+            for table in tables
+        }
