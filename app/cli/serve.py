@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from app.settings import Settings
 
-GRACEFUL_SHUTDOWN_S = 10  # requests take tens of milliseconds; uvicorn by itself would wait for ever
 GREATEST_PORT = 65535
 
 
@@ -46,10 +45,18 @@ def run(arguments: argparse.Namespace) -> int:
     listener = _listen(arguments.host, arguments.port)
     with listener:
         settings = settings_of(arguments.data_dir)
+        start_logs(settings)
         if settings.embedded:
             migrate(settings)  # the service would do it too, and could not say in one line what is wrong
         _run(_server(settings), listener)
     return 0
+
+
+def start_logs(settings: Settings) -> None:
+    """Let this process log as the settings say."""
+    from app.logs import LogOptions, configure_logs
+
+    configure_logs(LogOptions(settings.log_format, settings.log_level))
 
 
 def _run(server: uvicorn.Server, listener: socket.socket) -> None:
@@ -109,9 +116,10 @@ def _url(listener: socket.socket) -> str:
 def _server(settings: Settings) -> uvicorn.Server:
     import uvicorn
 
+    from app.cli.graceful_server import GracefulServer
     from app.main import create_app
 
-    class Server(uvicorn.Server):
+    class Server(GracefulServer):
         """Says its URL on standard output, in one line, once it answers."""
 
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -119,10 +127,7 @@ def _server(settings: Settings) -> uvicorn.Server:
             if self.started and sockets:
                 print(f"Scattermark is ready at {_url(sockets[0])}", flush=True)
 
-    config = uvicorn.Config(
-        create_app(settings),
-        log_level="warning",
-        lifespan="on",
-        timeout_graceful_shutdown=GRACEFUL_SHUTDOWN_S,
-    )
-    return Server(config)
+    app = create_app(settings)
+    # Logs go where all of this process's go; requests are logged by the application, which knows more of them.
+    config = uvicorn.Config(app, log_config=None, access_log=False, lifespan="on")
+    return Server(config, app.state.draining, settings.drain_s)
