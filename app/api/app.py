@@ -14,7 +14,7 @@ from app.api.faults import FaultsAsProblems
 from app.api.http_metrics import HttpMetrics
 from app.api.metrics_page import MetricsPage
 from app.api.observed import Observed
-from app.api.problems import Problem, add_handlers
+from app.api.problems import Problem, add_handlers, describe_slow_bodies
 from app.api.request_id import RequestIds
 from app.api.routes import jobs, locate, maps, operations, sites, surveys, trajectories
 from app.api.slow_bodies import Patience, SlowBodies
@@ -76,6 +76,7 @@ def _describe_problems(app: FastAPI) -> None:
         if app.openapi_schema is None:
             document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
             document["components"]["schemas"]["Problem"] = Problem.model_json_schema()
+            describe_slow_bodies(document)
             app.openapi_schema = document
         return app.openapi_schema
 

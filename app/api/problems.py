@@ -23,6 +23,8 @@ MEDIA_TYPE = "application/problem+json"
 MEMBERS = ("type", "title", "status", "detail")
 ERRORS_SHOWN = 5
 METHOD_NOT_ALLOWED = 405
+SLOW_BODY = (408, 503)
+CHALLENGE = 'Bearer realm="scattermark"'  # RFC 6750, section 3
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,9 @@ TABLE: dict[type[errors.ScattermarkError], Kind] = {
     errors.BadPhoto: Kind(415, "Not a readable photograph"),
     errors.UnsupportedPhoto: Kind(415, "Unsupported kind of image"),
     errors.PhotoTooLarge: Kind(413, "Photograph too large"),
+    errors.NotAuthenticated: Kind(401, "Key needed"),
+    errors.NotAllowed: Kind(403, "Not allowed"),
+    errors.TooManyRequests: Kind(429, "Too many requests"),
     errors.NotFound: Kind(404, "Not found"),
     errors.Conflict: Kind(409, "Conflict"),
     errors.DegenerateGeometry: Kind(422, "Degenerate geometry"),
@@ -95,9 +100,19 @@ def kind_of_slug(slug: str) -> Kind:
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """OpenAPI's word on the problems a call can answer with."""
-    titles = {kind.status: kind.title for kind in reversed(TABLE.values())}
+    titles = {status: title for status, (_, title, _) in HTTP_PROBLEMS.items()}
+    titles.update({kind.status: kind.title for kind in reversed(TABLE.values())})
     content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     return {status: {"description": titles.get(status, "Problem"), "content": content} for status in statuses}
+
+
+def describe_slow_bodies(document: dict[str, Any]) -> None:
+    """Say of each call with a body that it may come too slowly."""
+    for operations in document["paths"].values():
+        for operation in operations.values():
+            if "requestBody" in operation:
+                for status, answer in problems(*SLOW_BODY).items():
+                    operation["responses"].setdefault(str(status), answer)
 
 
 def add_handlers(app: FastAPI) -> None:
@@ -131,9 +146,16 @@ async def _on_known_error(_request: Request, error: Exception) -> JSONResponse:
     kind = kind_of(type(error))
     if kind.status == 500:
         log.error("%s: %s", error.slug, error.detail)
-    retry_after_s = error.fields.get("retry_after_s")
-    headers = None if retry_after_s is None else {"Retry-After": str(retry_after_s)}
-    return problem_response(problem_of(error.slug, kind, error.detail, error.fields), headers)
+    return problem_response(problem_of(error.slug, kind, error.detail, error.fields), _headers_of(error))
+
+
+def _headers_of(error: errors.ScattermarkError) -> dict[str, str]:
+    headers = {}
+    if "retry_after_s" in error.fields:
+        headers["Retry-After"] = str(error.fields["retry_after_s"])
+    if isinstance(error, errors.NotAuthenticated):
+        headers["WWW-Authenticate"] = CHALLENGE
+    return headers
 
 
 async def _on_validation_error(_request: Request, error: Exception) -> JSONResponse:

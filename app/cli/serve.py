@@ -116,6 +116,7 @@ def _url(listener: socket.socket) -> str:
 def _server(settings: Settings) -> uvicorn.Server:
     import uvicorn
 
+    from app.api.slow_headers import PatientProtocol
     from app.cli.graceful_server import GracefulServer
     from app.main import create_app
 
@@ -129,5 +130,5 @@ def _server(settings: Settings) -> uvicorn.Server:
 
     app = create_app(settings)
     # Logs go where all of this process's go; requests are logged by the application, which knows more of them.
-    config = uvicorn.Config(app, log_config=None, access_log=False, lifespan="on")
+    config = uvicorn.Config(app, http=PatientProtocol, log_config=None, access_log=False, lifespan="on")
     return Server(config, app.state.draining, settings.drain_s)

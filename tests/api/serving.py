@@ -15,6 +15,7 @@ import uvicorn
 
 from app.api.app import build_api
 from app.api.dependencies import Services
+from app.api.slow_headers import PatientProtocol
 from app.main import run_services
 from app.settings import Settings
 
@@ -81,7 +82,10 @@ def serve(settings: Settings) -> Iterator[Served]:
             yield services
 
     app = build_api(settings, open_services)
-    server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="error", lifespan="on", timeout_graceful_shutdown=5))
+    config = uvicorn.Config(
+        app, port=0, http=PatientProtocol, log_level="error", lifespan="on", timeout_graceful_shutdown=5
+    )
+    server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run)
     thread.start()
     try:
