@@ -110,8 +110,13 @@ def find_site_row(session: Session, site_id: str, *, lock: bool = False) -> Site
     """
     row = session.get(SiteRow, site_id, with_for_update=lock)
     if row is None:
-        raise NotFound(f"there is no site {site_id}; GET /sites lists them", site_id=site_id)
+        raise no_site(site_id)
     return row
+
+
+def no_site(site_id: str) -> NotFound:
+    """The error for a site that does not exist."""
+    return NotFound(f"there is no site {site_id}; GET /sites lists them", site_id=site_id)
 
 
 def _site(row: SiteRow) -> Site:

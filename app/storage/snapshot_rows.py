@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any, cast
 
 import numpy as np
+from sqlalchemy import Row
 
 from app.geometry.pose import Pose
 from app.storage.blobs import array_of_blob, blob_of_array
@@ -66,8 +67,8 @@ def _outcome_values(outcome: Located | NotFoundPose, seen: dict[str, Any]) -> di
     }
 
 
-def snapshot_of_row(row: SnapshotRow) -> Snapshot:
-    """The snapshot of a row."""
+def snapshot_of_row(row: SnapshotRow | Row[Any]) -> Snapshot:
+    """The snapshot of a row, an object's or a query's."""
     moment = Moment(row.captured_s, cast(TimeSource, row.time_source), row.clock_delay_s)
     heading = Heading(row.site_id, row.map_version, moment, row.received_s, row.device_id, row.snapshot_id)
     seen = Seen(
@@ -81,7 +82,7 @@ def snapshot_of_row(row: SnapshotRow) -> Snapshot:
     return Snapshot(row.id, row.trajectory_id, heading, _outcome(row), seen)
 
 
-def _outcome(row: SnapshotRow) -> Located | NotFoundPose:
+def _outcome(row: SnapshotRow | Row[Any]) -> Located | NotFoundPose:
     if row.reason is not None or row.rotation is None or row.covariance is None:
         return NotFoundPose(str(row.reason), row.seen["detail"], row.seen["advice"])
     position_m = np.array([row.x_m, row.y_m, row.z_m], dtype=np.float64)

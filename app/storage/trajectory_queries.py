@@ -15,7 +15,6 @@ from app.storage.blobs import array_of_blob
 from app.storage.models import SnapshotRow, TrajectoryRow
 from app.storage.paging import Page, PageRequest, page_of
 from app.storage.snapshots import Moment, NotFoundPose, TimeSource
-from app.storage.trajectories import stored_trajectory
 from app.storage.trajectory_parts import (
     Box,
     Failure,
@@ -26,6 +25,7 @@ from app.storage.trajectory_parts import (
     TrajectoryFilter,
     TrajectoryPart,
 )
+from app.storage.trajectory_rows import stored_trajectory
 from app.trajectories.trajectory import Trajectory
 
 Columns = TypeVarTuple("Columns")

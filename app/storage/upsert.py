@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from sqlalchemy import Executable, Table, literal
+from sqlalchemy import Connection, Executable, Table, literal
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -19,6 +20,12 @@ def insert_if_absent(session: Session, model: type[Base], **values: Any) -> bool
     """
     statement = _statement(model, session.get_bind().dialect.name)
     return session.execute(statement, values).first() is not None
+
+
+def insert_what_is_absent(connection: Connection, model: type[Base], rows: Sequence[dict[str, Any]]) -> int:
+    """Insert those rows whose unique columns nobody holds yet; how many they were."""
+    inserted = connection.execute(_statement(model, connection.dialect.name), rows)
+    return len(inserted.all())
 
 
 @cache
