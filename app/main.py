@@ -15,13 +15,18 @@ from app.api.app import build_api
 from app.api.dependencies import Services
 from app.jobs.builds import BuildRunner
 from app.jobs.pool import WorkerPool
+from app.services.access_upkeep import AccessUpkeep
 from app.services.build_map import BuildLimits, MapBuilder
+from app.services.gatekeeper import AccessRules, Gatekeeper
+from app.services.keys import ensure_bootstrap_key
 from app.services.locate import LocateLimits, Locator
 from app.services.metrics import ServiceMetrics
 from app.services.metrics_of_pools import ConnectionMetrics, PoolMetrics
 from app.services.metrics_of_stored import StoredMetrics
+from app.services.rates import Rate
 from app.services.readiness import Dependencies, Readiness
 from app.services.report import ReportWriter
+from app.services.sessions import BrowserSessions
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
 from app.services.workers import start_worker
@@ -30,6 +35,9 @@ from app.storage.database import Database
 from app.storage.migrate import check_tables, upgrade
 from app.storage.photo_store import PhotoStore, open_photo_store
 from app.vision.photo import PhotoLimits
+
+HOUR_S = 3600.0
+DAY_S = 24 * HOUR_S
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
@@ -50,22 +58,28 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     width = BuildLimits(limits, settings.build_workers, settings.detect_timeout_s, settings.adjust_timeout_s)
     runner = BuildRunner(database, MapBuilder(database, building, width))
     bell = TrajectoryBell()
+    metrics = _metrics(database, {"locate": locating, "build": building})
+    gatekeeper = Gatekeeper(database, access_rules(settings))
+    upkeep = AccessUpkeep(database, gatekeeper.ring, settings.audit_days * DAY_S)
     try:
         _start_fork_server()
         await asyncio.gather(asyncio.to_thread(locating.start), asyncio.to_thread(building.start))
         await runner.start()
-        yield Services(
-            database=database,
-            intake=PhotoIntake(database, photos, limits),
-            builds=runner,
-            locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell),
-            bell=bell,
-            reports=ReportWriter(locating, settings.report_timeout_s),
-            readiness=Readiness(
-                Dependencies(database, photos, locating, settings.min_free_bytes, lambda: len(building.pids))
-            ),
-            metrics=_metrics(database, {"locate": locating, "build": building}),
-        )
+        async with upkeep.running():
+            yield Services(
+                database=database,
+                intake=PhotoIntake(database, photos, limits),
+                builds=runner,
+                locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell, metrics),
+                bell=bell,
+                reports=ReportWriter(locating, settings.report_timeout_s),
+                readiness=Readiness(
+                    Dependencies(database, photos, locating, settings.min_free_bytes, lambda: len(building.pids))
+                ),
+                metrics=metrics,
+                gatekeeper=gatekeeper,
+                sessions=BrowserSessions(database, gatekeeper.ring, settings.session_hours * HOUR_S),
+            )
     finally:
         await runner.close()
         await asyncio.gather(asyncio.to_thread(locating.close), asyncio.to_thread(building.close))
@@ -78,6 +92,18 @@ def _metrics(database: Database, pools: dict[str, WorkerPool]) -> ServiceMetrics
         metrics.include(collector)
     pools["locate"].on_wait = metrics.waited
     return metrics
+
+
+def access_rules(settings: Settings) -> AccessRules:
+    """How an installation with these settings is guarded."""
+    return AccessRules(
+        keys_required=settings.require_keys,
+        trusts_network=settings.insecure,
+        key_rate=Rate(settings.key_rate_per_s, settings.key_burst),
+        address_rate=None
+        if settings.address_rate_per_s == 0
+        else Rate(settings.address_rate_per_s, settings.address_rate_per_s),
+    )
 
 
 def _start_fork_server() -> None:
@@ -99,5 +125,7 @@ def _open_storage(settings: Settings) -> tuple[Database, PhotoStore]:
         if settings.embedded:
             upgrade(database)
         check_tables(database)
+        if settings.bootstrap_key:
+            ensure_bootstrap_key(database, settings.bootstrap_key)
         if_it_fails.pop_all()
     return database, photos

@@ -11,6 +11,7 @@ from app.geometry.camera import CalibratedCamera
 from app.services.capture_time import ClientClock, moment_of
 from app.services.choose_camera import KnownCameras
 from app.services.locate_work import LocateOutcome, LocateTask, locate_photo
+from app.services.metrics import ServiceMetrics
 from app.services.ports import CpuPool
 from app.services.trajectory_bell import TrajectoryBell
 from app.storage.cameras import CameraRepository
@@ -62,11 +63,14 @@ class _Prepared:
 class Locator:
     """Locates snapshots: rows by threads, pixels by the pool, nothing on the event loop."""
 
-    def __init__(self, database: Database, pool: CpuPool, limits: LocateLimits, bell: TrajectoryBell) -> None:
+    def __init__(
+        self, database: Database, pool: CpuPool, limits: LocateLimits, bell: TrajectoryBell, metrics: ServiceMetrics
+    ) -> None:
         self._database = database
         self._pool = pool
         self._limits = limits
         self._bell = bell
+        self._metrics = metrics
 
     async def locate(self, request: LocateRequest) -> Snapshot:
         """A snapshot's pose, recorded in its trajectory; a repeated ``snapshot_id`` gets the first answer.
@@ -80,15 +84,20 @@ class Locator:
         ServerFull, TimedOut, WorkerCrashed
             When the work could not be done; nothing is recorded and it may be sent again.
         """
+        with self._metrics.answering():
+            return _located_or_refused(await self._snapshot(request))
+
+    async def _snapshot(self, request: LocateRequest) -> Snapshot:
         prepared = await asyncio.to_thread(self._prepare, request)
         if isinstance(prepared, Snapshot):
-            return _located_or_refused(prepared)
+            return prepared
         heading = prepared.heading
         task = LocateTask(request.photo, self._limits.photo, heading.site_id, heading.map_version, prepared.cameras)
         outcome = await self._pool.run(locate_photo, task, timeout_s=self._limits.timeout_s)
-        snapshot = await asyncio.to_thread(self._record, request, heading, outcome)
+        with self._metrics.recording(outcome.seen.timing_ms):
+            snapshot = await asyncio.to_thread(self._record, request, heading, outcome)
         self._bell.ring(snapshot.trajectory_id)
-        return _located_or_refused(snapshot)
+        return snapshot
 
     def _prepare(self, request: LocateRequest) -> _Prepared | Snapshot:
         """The first answer to a repeat; else all that the work needs, so that a wrong request costs no worker."""

@@ -67,16 +67,21 @@ class ServiceMetrics(Collector):
             raise
         self._located.inc()
 
-    def staged(self, timing_ms: Iterable[tuple[str, float]]) -> None:
-        """Count the stages of one snapshot's work."""
+    @contextmanager
+    def recording(self, timing_ms: Iterable[tuple[str, float]]) -> Iterator[None]:
+        """Count the stages of one snapshot's work, and as another the block that records it.
+
+        Parameters
+        ----------
+        timing_ms : iterable of (str, float)
+            Stages by name, in milliseconds; their total is left out.
+        """
         for stage, duration_ms in timing_ms:
             if stage != TOTAL:
                 self._stages.labels(stage).observe(duration_ms / MS_PER_S)
+        with self._stages.labels(RECORD).time():
+            yield
 
     def waited(self, duration_s: float) -> None:
-        """Count how long a snapshot waited for a worker."""
+        """Count how long a piece of work waited for a worker."""
         self._stages.labels(QUEUE).observe(duration_s)
-
-    def recorded(self, duration_s: float) -> None:
-        """Count how long a snapshot's row took to be committed."""
-        self._stages.labels(RECORD).observe(duration_s)
