@@ -12,7 +12,7 @@ from app.errors import InvalidInput
 
 PREFIX = "SCATTERMARK_"
 MEBIBYTE = 2**20
-MAY_BE_ZERO = ("queue_depth", "quota_bytes", "min_free_bytes", "drain_s", "worker_metrics_port")
+MAY_BE_ZERO = ("address_rate_per_s", "queue_depth", "quota_bytes", "min_free_bytes", "drain_s", "worker_metrics_port")
 
 
 def _cores() -> int:
@@ -59,6 +59,20 @@ class Settings:
         Where a worker tells Prometheus about its builds; 0 for nowhere.
     log_format, log_level : str
         ``json`` or ``console``, empty for whichever suits standard error; ``debug`` to ``error``.
+    require_keys, insecure : bool
+        Ask for a key also on this machine's own address; ask for none on any other.
+    bootstrap_key : str
+        Secret of the first key with the scope ``admin``; without effect once there was one.
+    allowed_hosts, cors_origins : str
+        Names that the service is called by beside this machine's, and origins whose pages may use it; by commas.
+    session_hours : float
+        How long a browser's session lasts.
+    key_rate_per_s, key_burst : float, int
+        Requests a second of a key that names no rate of its own, and how many may come at once.
+    address_rate_per_s : int
+        Requests a second of each address that asks without a key; 0 for no limit.
+    audit_days : float
+        How long the audit is kept.
     """
 
     data_dir: Path = Path("scattermark-data")
@@ -83,15 +97,35 @@ class Settings:
     worker_metrics_port: int = 0
     log_format: str = ""
     log_level: str = "info"
+    require_keys: bool = False
+    insecure: bool = False
+    bootstrap_key: str = field(default="", repr=False)
+    allowed_hosts: str = ""
+    cors_origins: str = ""
+    session_hours: float = 12.0
+    key_rate_per_s: float = 100.0
+    key_burst: int = 200
+    address_rate_per_s: int = 0
+    audit_days: float = 365.0
 
     def __post_init__(self) -> None:
         for entry in fields(self):
             value = getattr(self, entry.name)
             least = 0 if entry.name in MAY_BE_ZERO else 1
-            if isinstance(value, int) and value < least:
+            if isinstance(value, int) and not isinstance(value, bool) and value < least:
                 raise InvalidInput(f"{PREFIX}{entry.name.upper()} must be at least {least}, got {value}")
             if isinstance(value, float) and not (value > 0 or value == least):
                 raise InvalidInput(f"{PREFIX}{entry.name.upper()} must be positive, got {value}")
+
+    @property
+    def host_names(self) -> tuple[str, ...]:
+        """What the service is called beside this machine's names."""
+        return _words(self.allowed_hosts.lower())
+
+    @property
+    def page_origins(self) -> tuple[str, ...]:
+        """Origins whose pages may use the service."""
+        return _words(self.cors_origins)
 
     @property
     def sqlalchemy_url(self) -> str:
@@ -131,9 +165,23 @@ def settings_from_environment(environment: Mapping[str, str] | None = None) -> S
     return Settings(**given)
 
 
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(word.strip() for word in text.split(",") if word.strip())
+
+
+KINDS = {"int": "whole number", "float": "number", "bool": "true or false", "Path": "path", "str": "text"}
+
+
+def _truth_of(text: str) -> bool:
+    truths = {"1": True, "true": True, "yes": True, "on": True, "0": False, "false": False, "no": False, "off": False}
+    if text.lower() not in truths:
+        raise ValueError(text)
+    return truths[text.lower()]
+
+
 def _parsed(name: str, kind: str, text: str) -> Any:
-    parse = {"Path": Path, "int": int, "float": float, "str": str}[kind]
+    parse = {"Path": Path, "int": int, "float": float, "str": str, "bool": _truth_of}[kind]
     try:
         return parse(text)
     except ValueError as error:
-        raise InvalidInput(f"{PREFIX}{name.upper()}={text!r} is no number; set a number or unset it") from error
+        raise InvalidInput(f"{PREFIX}{name.upper()}={text!r} is no {KINDS[kind]}; correct or unset it") from error

@@ -7,16 +7,20 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import Any
 
 from fastapi import FastAPI
+from fastapi.middleware.cors import CORSMiddleware
 from fastapi.openapi.utils import get_openapi
 
+from app.api.access_document import describe_access
 from app.api.dependencies import Services
 from app.api.faults import FaultsAsProblems
 from app.api.http_metrics import HttpMetrics
 from app.api.metrics_page import MetricsPage
 from app.api.observed import Observed
+from app.api.origins import TrustedPagesOnly, cors_rules, trusted_pages
 from app.api.problems import Problem, add_handlers, describe_slow_bodies
 from app.api.request_id import RequestIds
-from app.api.routes import jobs, locate, maps, operations, sites, surveys, trajectories
+from app.api.routes import audit, jobs, keys, locate, maps, operations, session, sites, surveys, trajectories
+from app.api.security_headers import SecurityHeaders
 from app.api.slow_bodies import Patience, SlowBodies
 from app.api.streams import StreamsEndWithServer
 from app.api.too_large import TooLargeAsProblem
@@ -55,12 +59,16 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     # From the inside to the outside.
     app.add_middleware(SlowBodies, patience=Patience(settings.upload_grace_s, most_slow=settings.max_slow_uploads))
     app.add_middleware(TooLargeAsProblem)
+    app.add_middleware(TrustedPagesOnly, trusted=trusted_pages(settings))
     app.add_middleware(FaultsAsProblems)
     app.add_middleware(StreamsEndWithServer, draining=app.state.draining)
     app.add_middleware(Observed, metrics=HttpMetrics(app.state.metrics_page.registry))
     app.add_middleware(RequestIds)
+    if settings.page_origins:
+        app.add_middleware(CORSMiddleware, **cors_rules(settings.page_origins))
+    app.add_middleware(SecurityHeaders)
     snapshot_bytes = settings.max_photo_bytes + FORM_OVERHEAD_BYTES
-    for routes in (sites, surveys, jobs, maps, trajectories, operations):
+    for routes in (sites, surveys, jobs, maps, trajectories, operations, keys, session, audit):
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)
     app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)
     app.include_router(locate.router, max_body_size=snapshot_bytes)
@@ -76,6 +84,7 @@ def _describe_problems(app: FastAPI) -> None:
         if app.openapi_schema is None:
             document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
             document["components"]["schemas"]["Problem"] = Problem.model_json_schema()
+            describe_access(document)
             describe_slow_bodies(document)
             app.openapi_schema = document
         return app.openapi_schema

@@ -10,11 +10,13 @@ from fastapi import Depends, Path, Query, Request
 from pydantic import AfterValidator
 
 from app.errors import NotFound
+from app.services.gatekeeper import Gatekeeper
 from app.services.locate import Locator
 from app.services.metrics import ServiceMetrics
 from app.services.ports import BuildQueue
 from app.services.readiness import Readiness
 from app.services.report import ReportWriter
+from app.services.sessions import BrowserSessions
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
 from app.storage.database import Database, Session
@@ -36,6 +38,8 @@ class Services:
     reports: ReportWriter
     bell: TrajectoryBell
     readiness: Readiness
+    gatekeeper: Gatekeeper
+    sessions: BrowserSessions
     metrics: ServiceMetrics
 
 

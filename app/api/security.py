@@ -8,39 +8,96 @@ or a list filtered by ``principal.site_ids``.
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated, Any
 
-from fastapi import Security
+from fastapi import Depends, Security
 from fastapi.security import SecurityScopes
 from starlette.requests import HTTPConnection
 
+from app.api.credentials import CookieOfSession, KeyInHeader, address_of, credentials_of
+from app.api.request_id import present_request_id
+from app.errors import NotAllowed, NotFound
+from app.services.audit import note_refusal
+from app.services.gatekeeper import Gatekeeper
 from app.services.principal import ANYONE, Principal, Scope
+from app.storage.audit import Actor, expect_change
+from app.storage.belonging import OWNED
+
+SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
+# A snapshot is its own record: its trajectory says when, where and by which device. A row more would double its cost.
+NOT_AUDITED = ("/locate",)
+NAMES_SITE = ("site_id", *OWNED)
+
+SHOWS_KEY = KeyInHeader()
+SHOWS_COOKIE = CookieOfSession()
 
 
-async def principal_of(_connection: HTTPConnection, _wanted: SecurityScopes) -> Principal:
+async def principal_of(
+    connection: HTTPConnection,
+    wanted: SecurityScopes,
+    _key: Annotated[str | None, Security(SHOWS_KEY)] = None,
+    _cookie: Annotated[str | None, Security(SHOWS_COOKIE)] = None,
+) -> Principal:
     """Who asks; also on WebSockets.
 
     Raises
     ------
     NotAuthenticated
         Without a key that is valid.
+    TooManyRequests
+        When it asks more often than it may.
     NotAllowed
         When the key has none of the wanted scopes.
     NotFound
         When the address names something of a site that is none of the key's.
     """
-    return ANYONE
+    principal = await admitted(connection)
+    try:
+        _check_scopes(principal, wanted.scopes)
+        await _check_sites(connection, principal)
+    except (NotAllowed, NotFound) as refusal:
+        await _note_refusal(connection, principal)
+        raise refusal
+    if _is_audited(connection):
+        expect_change(_actor(connection, principal), _action(connection), _subject(connection))
+    return principal
 
 
-async def guard(connection: HTTPConnection, wanted: SecurityScopes) -> None:
+async def guard(connection: HTTPConnection, principal: Annotated[Principal, Depends(principal_of)]) -> None:
     """Let those through who may call this route.
 
     Raises
     ------
-    NotAuthenticated, NotAllowed, NotFound
+    NotAuthenticated, TooManyRequests, NotAllowed, NotFound
         As ``principal_of``; NotAllowed also for a key of some sites where the address names no site.
     """
-    await principal_of(connection, wanted)
+    if principal.site_ids is not None and not _named(connection):
+        await _note_refusal(connection, principal)
+        raise NotAllowed(
+            "this call is about the whole installation, and the key is bound to sites; use one that is not"
+        )
+
+
+async def admitted(connection: HTTPConnection) -> Principal:
+    """Who asks, counted and not yet asked what for: for each frame of a WebSocket after its handshake.
+
+    Raises
+    ------
+    NotAuthenticated, TooManyRequests
+    """
+    return await _gatekeeper(connection).admit(credentials_of(connection), address_of(connection))
+
+
+async def visitor(connection: HTTPConnection) -> None:
+    """For routes that take whoever comes: the visit is counted, and what it changes goes into the audit.
+
+    Raises
+    ------
+    TooManyRequests
+    """
+    _gatekeeper(connection).count_visit(address_of(connection))
+    expect_change(_actor(connection, ANYONE), _action(connection), _subject(connection))
 
 
 def needs(*any_of: Scope) -> Any:
@@ -56,3 +113,58 @@ Administering = Annotated[Principal, Security(principal_of, scopes=["admin"])]
 Reading = Annotated[Principal, Security(principal_of, scopes=["locate", "survey", "analyse"])]
 # A phone opens its trajectory, and so does an analyst.
 Recording = Annotated[Principal, Security(principal_of, scopes=["locate", "analyse"])]
+
+
+def _gatekeeper(connection: HTTPConnection) -> Gatekeeper:
+    gatekeeper = connection.state.services.gatekeeper
+    assert isinstance(gatekeeper, Gatekeeper)
+    return gatekeeper
+
+
+def _check_scopes(principal: Principal, wanted: list[str]) -> None:
+    if not principal.may(*wanted):
+        raise NotAllowed(
+            f"this call needs a key with the scope {' or '.join(wanted)}; {principal.name} has "
+            f"{', '.join(sorted(principal.scopes))}",
+            needs=wanted,
+        )
+
+
+async def _check_sites(connection: HTTPConnection, principal: Principal) -> None:
+    """What is of another site is answered exactly as what does not exist: a key learns nothing of other sites."""
+    if principal.site_ids is None:
+        return
+    for id_name, identifier in _named(connection).items():
+        site_id = await _gatekeeper(connection).site_of(id_name, identifier)
+        if site_id is None or not principal.sees(site_id):
+            kind = id_name.removesuffix("_id")
+            raise NotFound(f"there is no {kind} {identifier} that this key may see", **{id_name: identifier})
+
+
+def _named(connection: HTTPConnection) -> dict[str, str]:
+    """What of sites the address names."""
+    given = {**connection.query_params, **connection.path_params}
+    return {name: str(given[name]) for name in NAMES_SITE if name in given}
+
+
+def _is_audited(connection: HTTPConnection) -> bool:
+    scope = connection.scope
+    return scope["type"] == "http" and scope["method"] not in SAFE_METHODS and scope["path"] not in NOT_AUDITED
+
+
+async def _note_refusal(connection: HTTPConnection, principal: Principal) -> None:
+    if _is_audited(connection):
+        told = (_actor(connection, principal), _action(connection), _subject(connection))
+        await asyncio.to_thread(note_refusal, connection.state.services.database, *told)
+
+
+def _actor(connection: HTTPConnection, principal: Principal) -> Actor:
+    return Actor(principal.key_id, principal.name, address_of(connection), present_request_id())
+
+
+def _action(connection: HTTPConnection) -> str:
+    return f"{connection.scope['method']} {connection.scope['route'].path}"
+
+
+def _subject(connection: HTTPConnection) -> dict[str, str]:
+    return {name: str(value) for name, value in connection.path_params.items()}

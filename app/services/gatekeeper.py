@@ -13,6 +13,7 @@ from app.services.principal import ANYONE, Principal
 from app.services.rates import Rate, RateLimiter
 from app.storage.belonging import site_of
 from app.storage.database import Database
+from app.storage.keys import ApiKey, KeyRepository
 
 REMEMBERED = 10_000  # things whose site is known: a survey or a trajectory never changes its site
 
@@ -90,6 +91,17 @@ class Gatekeeper:
         if self.rules.address_rate is not None:
             self._rates.spend(address, self.rules.address_rate)
 
+    async def revoke(self, key_id: str) -> ApiKey:
+        """Let a key and its sessions open nothing from now on.
+
+        Raises
+        ------
+        NotFound
+        """
+        revoked = await asyncio.to_thread(self._revoke, key_id)
+        self.ring.forget(key_id)
+        return revoked
+
     async def site_of(self, id_name: str, identifier: str) -> str | None:
         """The site of a survey, job, trajectory, camera or pose; None when there is no such thing."""
         if id_name == "site_id":
@@ -121,6 +133,10 @@ class Gatekeeper:
             "this call needs a key: send it as `Authorization: Bearer smk_...`, or open a session with POST /session; "
             "`scattermark keys create` makes one"
         )
+
+    def _revoke(self, key_id: str) -> ApiKey:
+        with self._database.writing() as session:
+            return KeyRepository(session).revoke(key_id)
 
     def _look_up_site(self, id_name: str, identifier: str) -> str | None:
         with self._database.reading() as session:

@@ -23,7 +23,8 @@ def checked_scopes(names: Collection[str]) -> tuple[Scope, ...]:
     unknown = sorted(set(names).difference(SCOPES))
     if unknown or not names:
         raise InvalidInput(
-            f"a key has one or more of the scopes {', '.join(SCOPES)}, not {', '.join(unknown) or 'none'}", field="scopes"
+            f"a key has one or more of the scopes {', '.join(SCOPES)}, not {', '.join(unknown) or 'none'}",
+            field="scopes",
         )
     return tuple(scope for scope in SCOPES if scope in names)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 from app.errors import NotAuthenticated
 from app.services.key_ring import KeyRing
@@ -25,6 +26,11 @@ class OpenedSession:
     secret: str
     principal: Principal
     expires_s: float
+
+    @property
+    def expires_at(self) -> datetime:
+        """The same time as a date, UTC."""
+        return datetime.fromtimestamp(self.expires_s, UTC)
 
 
 class BrowserSessions:
@@ -55,8 +61,10 @@ class BrowserSessions:
             raise NotAuthenticated("this key is unknown, expired or revoked; ask the operator for another one")
         return await asyncio.to_thread(self._open, holder.key)
 
-    async def close(self, cookie: str) -> None:
-        """End a session; nothing happens when it has ended."""
+    async def close(self, cookie: str | None) -> None:
+        """End a session; nothing happens when there is none, or when it has ended."""
+        if cookie is None:
+            return
         await asyncio.to_thread(self._close, cookie)
         self._ring.forget_secret(cookie)
 

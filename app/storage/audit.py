@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
+from typing import Literal, cast
 
 from sqlalchemy import delete, event, select
 from sqlalchemy.orm import Session, UOWTransaction
@@ -19,7 +20,9 @@ from app.storage.ids import new_id
 from app.storage.models import AuditRow, Base, CameraRow, JobRow, KeyRow, SiteRow, SurveyRow, TrajectoryRow
 from app.storage.paging import Page, PageRequest, page_of
 
-DONE, REFUSED = "done", "refused"
+Outcome = Literal["done", "refused"]
+DONE: Outcome = "done"
+REFUSED: Outcome = "refused"
 GREATEST_TEXT = 200  # of a column; a photograph's name in a path may be longer
 IDS: dict[type[Base], str] = {
     SiteRow: "site_id",
@@ -51,14 +54,12 @@ class AuditEntry:
         Such as ``PATCH /sites/{site_id}`` or ``keys create``.
     subject : dict
         Ids of what was named and of what was made.
-    outcome : str
-        ``done`` or ``refused``.
     """
 
     actor: Actor
     action: str
     subject: dict[str, str]
-    outcome: str
+    outcome: Outcome
     entry_id: str = field(default_factory=new_id)
     at_s: float = field(default_factory=time.time)
 
@@ -76,9 +77,9 @@ class PendingEntry:
         """Say who it is, once it is known."""
         self._actor = replace(self._actor, key_id=key_id, name=name)
 
-    def with_made(self, made: dict[str, str], outcome: str = DONE) -> AuditEntry:
+    def with_made(self, made: dict[str, str]) -> AuditEntry:
         """The row's content, once it is known what the transaction made."""
-        return AuditEntry(self._actor, self._action, {**made, **self._subject}, outcome)
+        return AuditEntry(self._actor, self._action, {**made, **self._subject}, DONE)
 
 
 _pending: ContextVar[PendingEntry | None] = ContextVar("pending_audit_entry", default=None)
@@ -165,4 +166,4 @@ class AuditRepository:
 
 def _entry(row: AuditRow) -> AuditEntry:
     actor = Actor(row.key_id, row.name, row.address, row.request_id)
-    return AuditEntry(actor, row.action, dict(row.subject), row.outcome, row.id, row.at_s)
+    return AuditEntry(actor, row.action, dict(row.subject), cast(Outcome, row.outcome), row.id, row.at_s)
