@@ -11,6 +11,7 @@ from fastapi.middleware.cors import CORSMiddleware
 from fastapi.openapi.utils import get_openapi
 
 from app.api.access_document import describe_access
+from app.api.admission import AdmittedOnly
 from app.api.dependencies import Services
 from app.api.faults import FaultsAsProblems
 from app.api.http_metrics import HttpMetrics
@@ -59,6 +60,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     # From the inside to the outside.
     app.add_middleware(SlowBodies, patience=Patience(settings.upload_grace_s, most_slow=settings.max_slow_uploads))
     app.add_middleware(TooLargeAsProblem)
+    app.add_middleware(AdmittedOnly)
     app.add_middleware(TrustedPagesOnly, trusted=trusted_pages(settings))
     app.add_middleware(FaultsAsProblems)
     app.add_middleware(StreamsEndWithServer, draining=app.state.draining)

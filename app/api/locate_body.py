@@ -12,6 +12,7 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.requests import ClientDisconnect
 
 from app.api.schemas.locate import LocateParameters
+from app.api.security import Locating
 from app.api.uploads import IMAGE_BODY
 from app.errors import BadPhoto
 from app.services.locate import LocateRequest
@@ -19,11 +20,13 @@ from app.services.locate import LocateRequest
 FORM_TYPE = "multipart/form-data"
 
 
-async def locate_request(request: Request) -> LocateRequest:
+async def locate_request(request: Request, principal: Locating) -> LocateRequest:
     """The snapshot of a request.
 
     Raises
     ------
+    NotFound
+        When its site is none of the key's.
     RequestValidationError
         When a parameter or the image is missing or malformed.
     """
@@ -36,7 +39,9 @@ async def locate_request(request: Request) -> LocateRequest:
             part = _Part(await request.body(), dict(request.query_params), "query")
     except ClientDisconnect as error:
         raise BadPhoto("the upload broke off; send the snapshot again") from error
-    return _parameters(part).to_domain(part.photo)
+    parameters = _parameters(part)
+    principal.site(parameters.site_id)
+    return parameters.to_domain(part.photo)
 
 
 @dataclass(frozen=True)

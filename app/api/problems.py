@@ -141,12 +141,17 @@ def problem_response(problem: dict[str, Any], headers: dict[str, str] | None = N
     return JSONResponse(problem, status_code=problem["status"], media_type=MEDIA_TYPE, headers=headers)
 
 
-async def _on_known_error(_request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, errors.ScattermarkError)
+def known_problem_response(error: errors.ScattermarkError) -> JSONResponse:
+    """The answer for an error that was raised on purpose."""
     kind = kind_of(type(error))
     if kind.status == 500:
         log.error("%s: %s", error.slug, error.detail)
     return problem_response(problem_of(error.slug, kind, error.detail, error.fields), _headers_of(error))
+
+
+async def _on_known_error(_request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, errors.ScattermarkError)
+    return known_problem_response(error)
 
 
 def _headers_of(error: errors.ScattermarkError) -> dict[str, str]:

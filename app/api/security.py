@@ -15,11 +15,11 @@ from fastapi import Depends, Security
 from fastapi.security import SecurityScopes
 from starlette.requests import HTTPConnection
 
-from app.api.credentials import CookieOfSession, KeyInHeader, address_of, credentials_of
+from app.api.admission import admitted, gatekeeper_of, principal_of_state
+from app.api.credentials import CookieOfSession, KeyInHeader, address_of
 from app.api.request_id import present_request_id
 from app.errors import NotAllowed, NotFound
 from app.services.audit import note_refusal
-from app.services.gatekeeper import Gatekeeper
 from app.services.principal import ANYONE, Principal, Scope
 from app.storage.audit import Actor, expect_change
 from app.storage.belonging import OWNED
@@ -52,7 +52,7 @@ async def principal_of(
     NotFound
         When the address names something of a site that is none of the key's.
     """
-    principal = await admitted(connection)
+    principal = principal_of_state(connection) or await admitted(connection)
     try:
         _check_scopes(principal, wanted.scopes)
         await _check_sites(connection, principal)
@@ -79,16 +79,6 @@ async def guard(connection: HTTPConnection, principal: Annotated[Principal, Depe
         )
 
 
-async def admitted(connection: HTTPConnection) -> Principal:
-    """Who asks, counted and not yet asked what for: for each frame of a WebSocket after its handshake.
-
-    Raises
-    ------
-    NotAuthenticated, TooManyRequests
-    """
-    return await _gatekeeper(connection).admit(credentials_of(connection), address_of(connection))
-
-
 async def visitor(connection: HTTPConnection) -> None:
     """For routes that take whoever comes: the visit is counted, and what it changes goes into the audit.
 
@@ -96,7 +86,7 @@ async def visitor(connection: HTTPConnection) -> None:
     ------
     TooManyRequests
     """
-    _gatekeeper(connection).count_visit(address_of(connection))
+    gatekeeper_of(connection).count_visit(address_of(connection))
     expect_change(_actor(connection, ANYONE), _action(connection), _subject(connection))
 
 
@@ -104,6 +94,8 @@ def needs(*any_of: Scope) -> Any:
     """For ``dependencies=[...]`` of a route: who holds one of these scopes may call it."""
     return Security(guard, scopes=any_of)
 
+
+may_read = needs("locate", "survey", "analyse")  # what all who work with a site read
 
 Locating = Annotated[Principal, Security(principal_of, scopes=["locate"])]
 Surveying = Annotated[Principal, Security(principal_of, scopes=["survey"])]
@@ -113,12 +105,6 @@ Administering = Annotated[Principal, Security(principal_of, scopes=["admin"])]
 Reading = Annotated[Principal, Security(principal_of, scopes=["locate", "survey", "analyse"])]
 # A phone opens its trajectory, and so does an analyst.
 Recording = Annotated[Principal, Security(principal_of, scopes=["locate", "analyse"])]
-
-
-def _gatekeeper(connection: HTTPConnection) -> Gatekeeper:
-    gatekeeper = connection.state.services.gatekeeper
-    assert isinstance(gatekeeper, Gatekeeper)
-    return gatekeeper
 
 
 def _check_scopes(principal: Principal, wanted: list[str]) -> None:
@@ -135,7 +121,7 @@ async def _check_sites(connection: HTTPConnection, principal: Principal) -> None
     if principal.site_ids is None:
         return
     for id_name, identifier in _named(connection).items():
-        site_id = await _gatekeeper(connection).site_of(id_name, identifier)
+        site_id = await gatekeeper_of(connection).site_of(id_name, identifier)
         if site_id is None or not principal.sees(site_id):
             kind = id_name.removesuffix("_id")
             raise NotFound(f"there is no {kind} {identifier} that this key may see", **{id_name: identifier})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import asdict
 from typing import cast
 
@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from app.errors import NotFound
 from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, Camera, CameraIdentity, CameraSource
+from app.storage.belonging import within
 from app.storage.blobs import array_of_blob, blob_of_array
 from app.storage.ids import new_id
 from app.storage.models import CameraRow
@@ -56,9 +57,17 @@ class CameraRepository:
             raise NotFound(f"there is no camera {camera_id}; GET /cameras lists them", camera_id=camera_id)
         return _camera(row)
 
-    def page(self, site_id: str | None, device_id: str | None, request: PageRequest) -> Page[StoredCamera]:
-        """Cameras in the order they were calibrated, of one site or device when named."""
-        query = select(CameraRow).order_by(CameraRow.id).limit(request.limit + 1)
+    def page(
+        self,
+        site_id: str | None,
+        device_id: str | None,
+        request: PageRequest,
+        site_ids: Collection[str] | None = None,
+    ) -> Page[StoredCamera]:
+        """Cameras in the order they were calibrated, of one site or device when named, and of these sites alone."""
+        query = (
+            select(CameraRow).where(within(CameraRow.site_id, site_ids)).order_by(CameraRow.id).limit(request.limit + 1)
+        )
         if site_id is not None:
             query = query.where(CameraRow.site_id == site_id)
         if device_id is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict
 from typing import cast
 
@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 
 from app.errors import NotFound
 from app.geometry.control import ControlPoint, Role
+from app.storage.belonging import within
 from app.storage.ids import new_id
 from app.storage.models import ControlPointRow, SiteRow
 from app.storage.paging import Page, PageRequest, page_of
@@ -52,9 +53,9 @@ class SiteRepository:
         """
         return _site(find_site_row(self._session, site_id))
 
-    def page(self, request: PageRequest) -> Page[Site]:
-        """Sites in the order they were made."""
-        query = select(SiteRow).order_by(SiteRow.id).limit(request.limit + 1)
+    def page(self, request: PageRequest, site_ids: Collection[str] | None = None) -> Page[Site]:
+        """Sites in the order they were made; of these alone if given."""
+        query = select(SiteRow).where(within(SiteRow.id, site_ids)).order_by(SiteRow.id).limit(request.limit + 1)
         if request.after is not None:
             query = query.where(SiteRow.id > request.after)
         return page_of([(row.id, _site(row)) for row in self._session.scalars(query)], request.limit)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, TypeAlias, TypeVarTuple, cast
 
 import numpy as np
@@ -11,6 +11,7 @@ from sqlalchemy import ColumnElement, Row, Select, case, exists, select, tuple_
 from sqlalchemy.orm import Session
 
 from app.geometry.rotation import quaternion_xyzw
+from app.storage.belonging import within
 from app.storage.blobs import array_of_blob
 from app.storage.models import SnapshotRow, TrajectoryRow
 from app.storage.paging import Page, PageRequest, page_of
@@ -54,9 +55,12 @@ class TrajectoryQueries:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def page(self, wanted: TrajectoryFilter, request: PageRequest) -> Page[StoredTrajectory]:
-        """Trajectories in the order they were made."""
-        query = select(TrajectoryRow).where(*_conditions(wanted)).order_by(TrajectoryRow.id).limit(request.limit + 1)
+    def page(
+        self, wanted: TrajectoryFilter, request: PageRequest, site_ids: Collection[str] | None = None
+    ) -> Page[StoredTrajectory]:
+        """Trajectories in the order they were made; of these sites alone if given."""
+        conditions = (*_conditions(wanted), within(TrajectoryRow.site_id, site_ids))
+        query = select(TrajectoryRow).where(*conditions).order_by(TrajectoryRow.id).limit(request.limit + 1)
         if request.after is not None:
             query = query.where(TrajectoryRow.id > request.after)
         return page_of([(row.id, stored_trajectory(row)) for row in self._session.scalars(query)], request.limit)

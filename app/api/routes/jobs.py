@@ -11,10 +11,11 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from app.api.dependencies import PathId, Running
 from app.api.problems import problems
 from app.api.schemas.surveys import JobAnswer
+from app.api.security import needs
 from app.services import jobs
 from app.storage.jobs import Job
 
-router = APIRouter(tags=["jobs"])
+router = APIRouter(tags=["jobs"], dependencies=[needs("survey")])
 
 
 def existing_job(job_id: PathId, services: Running) -> Job:

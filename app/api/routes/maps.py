@@ -11,6 +11,7 @@ from app.api.problems import problems
 from app.api.report_answer import MEDIA_TYPES, preferred_format, report_response
 from app.api.schemas.maps import CamerasAnswer, MapAnswer, MapsAnswer, TargetsAnswer
 from app.api.schemas.texts import Text
+from app.api.security import Reading, may_read, needs
 from app.services import maps
 from app.services.report_work import ReportFormat, ReportTask
 from app.storage.cameras import CameraRepository
@@ -28,6 +29,7 @@ TEXT_FORMATS = {media_type: {"schema": {"type": "string"}} for _, media_type in 
 
 @router.get(
     "/sites/{site_id}/targets",
+    dependencies=[may_read],
     response_model=TargetsAnswer,
     responses={200: {"content": TEXT_FORMATS}, **problems(404, 409, 422)},
 )
@@ -47,6 +49,7 @@ def get_targets(
 
 @router.get(
     "/sites/{site_id}/report",
+    dependencies=[needs("survey", "analyse")],
     response_class=Response,
     responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **problems(404, 409, 422, 503, 504)},
 )
@@ -63,13 +66,13 @@ async def get_report(
     return report_response(site_id, report, wanted)
 
 
-@router.get("/sites/{site_id}/maps", responses=problems(404, 422))
+@router.get("/sites/{site_id}/maps", dependencies=[may_read], responses=problems(404, 422))
 def list_maps(site_id: PathId, page: Paging, session: ReadSession) -> MapsAnswer:
     """The versions of a site's target map."""
     return MapsAnswer.of(TargetMapRepository(session).versions(site_id, page))
 
 
-@router.post("/sites/{site_id}/maps/{version}/activate", responses=problems(404, 422))
+@router.post("/sites/{site_id}/maps/{version}/activate", dependencies=[needs("survey")], responses=problems(404, 422))
 def activate_map(site_id: PathId, version: PathVersion, session: WriteSession) -> MapAnswer:
     """Locate snapshots in this version from now on."""
     return MapAnswer.of(maps.activate_map(session, site_id, version))
@@ -77,7 +80,7 @@ def activate_map(site_id: PathId, version: PathVersion, session: WriteSession) -
 
 @router.get("/cameras", responses=problems(404, 422))
 def list_cameras(
-    page: Paging, session: ReadSession, site_id: Id | None = None, device_id: Text | None = None
+    page: Paging, session: ReadSession, principal: Reading, site_id: Id | None = None, device_id: Text | None = None
 ) -> CamerasAnswer:
     """Calibrated cameras, of one site or device when named."""
-    return CamerasAnswer.of(CameraRepository(session).page(site_id, device_id, page))
+    return CamerasAnswer.of(CameraRepository(session).page(site_id, device_id, page, principal.site_ids))

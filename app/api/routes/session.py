@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Depends, Request, Response
 
+from app.api.admission import admitted
 from app.api.credentials import COOKIE
 from app.api.dependencies import Running
 from app.api.problems import problems
 from app.api.schemas.keys import PrincipalAnswer, SessionAnswer, ShownKeyBody
-from app.api.security import admitted, visitor
+from app.api.security import visitor
 
 router = APIRouter(tags=["session"], prefix="/session")
 

@@ -17,6 +17,7 @@ from app.api.schemas.sites import (
     SiteChangeBody,
     SitesAnswer,
 )
+from app.api.security import Reading, may_read, needs
 from app.services import control_points, sites
 from app.services.control_points import Records
 from app.storage.sites import SiteRepository
@@ -24,7 +25,7 @@ from app.storage.sites import SiteRepository
 router = APIRouter(tags=["sites"])
 
 
-@router.post("/sites", status_code=201, responses=problems(400, 413, 422))
+@router.post("/sites", status_code=201, dependencies=[needs("survey")], responses=problems(400, 413, 422))
 def create_site(body: NewSiteBody, session: WriteSession) -> SiteAnswer:
     """Make a site: a place whose targets share one frame, one code family and one size."""
     anchor = None if body.geo_anchor is None else body.geo_anchor.to_domain()
@@ -32,24 +33,24 @@ def create_site(body: NewSiteBody, session: WriteSession) -> SiteAnswer:
 
 
 @router.get("/sites", responses=problems(422))
-def list_sites(page: Paging, session: ReadSession) -> SitesAnswer:
+def list_sites(page: Paging, session: ReadSession, principal: Reading) -> SitesAnswer:
     """All sites in the order they were made."""
-    return SitesAnswer.of(SiteRepository(session).page(page))
+    return SitesAnswer.of(SiteRepository(session).page(page, principal.site_ids))
 
 
-@router.get("/sites/{site_id}", responses=problems(404, 422))
+@router.get("/sites/{site_id}", dependencies=[may_read], responses=problems(404, 422))
 def get_site(site_id: PathId, session: ReadSession) -> SiteAnswer:
     """One site."""
     return SiteAnswer.of(SiteRepository(session).get(site_id))
 
 
-@router.patch("/sites/{site_id}", responses=problems(400, 404, 413, 422))
+@router.patch("/sites/{site_id}", dependencies=[needs("survey")], responses=problems(400, 404, 413, 422))
 def change_site(site_id: PathId, body: SiteChangeBody, session: WriteSession) -> SiteAnswer:
     """Rename a site, tie it to the Earth, or untie it with ``geo_anchor: null``."""
     return SiteAnswer.of(sites.change_site(session, site_id, body.to_domain()))
 
 
-@router.delete("/sites/{site_id}", status_code=204, responses=problems(404, 409, 422))
+@router.delete("/sites/{site_id}", status_code=204, dependencies=[needs("survey")], responses=problems(404, 409, 422))
 def delete_site(site_id: PathId, session: WriteSession) -> None:
     """Remove a site with its surveys, maps and trajectories."""
     sites.delete_site(session, site_id)
@@ -57,6 +58,7 @@ def delete_site(site_id: PathId, session: WriteSession) -> None:
 
 @router.put(
     "/sites/{site_id}/control-points",
+    dependencies=[needs("survey")],
     responses=problems(404, 413, 415, 422),
     openapi_extra={"requestBody": CONTROL_POINTS_BODY},
 )
@@ -67,7 +69,7 @@ def put_control_points(
     return ControlPointsAnswer.of(site_id, control_points.put_control_points(session, site_id, records))
 
 
-@router.get("/sites/{site_id}/control-points", responses=problems(404, 422))
+@router.get("/sites/{site_id}/control-points", dependencies=[needs("survey", "analyse")], responses=problems(404, 422))
 def get_control_points(site_id: PathId, session: ReadSession) -> ControlPointsAnswer:
     """The site's control and check points in the order they were given."""
     return ControlPointsAnswer.of(site_id, SiteRepository(session).control_points(site_id))

@@ -18,6 +18,7 @@ from app.api.schemas.surveys import (
     UploadAnswer,
     UploadedPhotoAnswer,
 )
+from app.api.security import needs
 from app.api.uploads import IMAGE_BODY, chunks_of_body, chunks_of_file
 from app.services import build_request, surveys
 from app.storage.surveys import SurveyRepository
@@ -27,7 +28,9 @@ photo_router = APIRouter(tags=["surveys"])
 upload_router = APIRouter(tags=["surveys"])
 
 
-@router.post("/sites/{site_id}/surveys", status_code=201, responses=problems(400, 404, 413, 422))
+@router.post(
+    "/sites/{site_id}/surveys", dependencies=[needs("survey")], status_code=201, responses=problems(400, 404, 413, 422)
+)
 def open_survey(
     site_id: PathId, session: WriteSession, body: Annotated[NewSurveyBody | None, Body()] = None
 ) -> SurveyAnswer:
@@ -36,19 +39,19 @@ def open_survey(
     return SurveyAnswer.of(surveys.open_survey(session, site_id, wanted.note, wanted.device_id))
 
 
-@router.get("/sites/{site_id}/surveys", responses=problems(404, 422))
+@router.get("/sites/{site_id}/surveys", dependencies=[needs("survey")], responses=problems(404, 422))
 def list_surveys(site_id: PathId, page: Paging, session: ReadSession) -> SurveysAnswer:
     """The surveys of a site in the order they were opened."""
     return SurveysAnswer.of(SurveyRepository(session).page(site_id, page))
 
 
-@router.get("/surveys/{survey_id}", responses=problems(404, 422))
+@router.get("/surveys/{survey_id}", dependencies=[needs("survey")], responses=problems(404, 422))
 def get_survey(survey_id: PathId, session: ReadSession) -> SurveyAnswer:
     """One survey."""
     return SurveyAnswer.of(SurveyRepository(session).get(survey_id))
 
 
-@router.get("/surveys/{survey_id}/images", responses=problems(404, 422))
+@router.get("/surveys/{survey_id}/images", dependencies=[needs("survey")], responses=problems(404, 422))
 def list_photos(survey_id: PathId, page: Paging, session: ReadSession) -> PhotosAnswer:
     """The photographs of a survey by name."""
     return PhotosAnswer.of(SurveyRepository(session).photo_page(survey_id, page))
@@ -56,6 +59,7 @@ def list_photos(survey_id: PathId, page: Paging, session: ReadSession) -> Photos
 
 @photo_router.put(
     "/surveys/{survey_id}/images/{filename:path}",
+    dependencies=[needs("survey")],
     status_code=201,
     responses={200: {"model": UploadedPhotoAnswer}, **problems(404, 409, 413, 415, 422)},
     openapi_extra={"requestBody": IMAGE_BODY},
@@ -69,7 +73,12 @@ async def put_photo(
     return UploadedPhotoAnswer.of_upload(added)
 
 
-@upload_router.post("/surveys/{survey_id}/images", status_code=201, responses=problems(400, 404, 409, 413, 415, 422))
+@upload_router.post(
+    "/surveys/{survey_id}/images",
+    dependencies=[needs("survey")],
+    status_code=201,
+    responses=problems(400, 404, 409, 413, 415, 422),
+)
 async def post_photos(
     survey_id: PathId, images: Annotated[list[UploadFile], File(min_length=1)], services: Running
 ) -> UploadAnswer:
@@ -78,7 +87,12 @@ async def post_photos(
     return UploadAnswer(images=[UploadedPhotoAnswer.of_upload(photo) for photo in added])
 
 
-@router.post("/surveys/{survey_id}/build", status_code=202, responses=problems(400, 404, 409, 413, 422))
+@router.post(
+    "/surveys/{survey_id}/build",
+    dependencies=[needs("survey")],
+    status_code=202,
+    responses=problems(400, 404, 409, 413, 422),
+)
 def build(survey_id: PathId, services: Running, body: Annotated[BuildBody | None, Body()] = None) -> JobStarted:
     """Detect in each photograph, adjust, publish a new target map of this survey: in the background."""
     options = (body or BuildBody()).to_domain()

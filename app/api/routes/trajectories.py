@@ -20,6 +20,7 @@ from app.api.schemas.trajectories import (
     TrajectoryPageAnswer,
     pose_answers,
 )
+from app.api.security import Analysing, Recording, needs
 from app.api.trajectory_queries import Part, Stream, Wanted
 from app.services.trajectories import open_trajectory, trajectory_page
 from app.services.trajectory_events import Arrivals, watch_trajectory
@@ -35,28 +36,31 @@ Format = Literal["json", "csv", "tum", "geojson", "kitti", "euroc"]
 
 
 @router.post("/trajectories", status_code=201, responses=problems(400, 404, 413, 422))
-def create_trajectory(body: NewTrajectoryBody, session: WriteSession) -> TrajectoryAnswer:
+def create_trajectory(body: NewTrajectoryBody, session: WriteSession, principal: Recording) -> TrajectoryAnswer:
     """Open a trajectory; snapshots name it as trajectory_id."""
-    return TrajectoryAnswer.of(open_trajectory(session, body.site_id, body.device_id, body.name or ""))
+    return TrajectoryAnswer.of(open_trajectory(session, principal.site(body.site_id), body.device_id, body.name or ""))
 
 
-@router.post("/trajectories/{trajectory_id}/close", responses=problems(404, 422))
+@router.post(
+    "/trajectories/{trajectory_id}/close", dependencies=[needs("locate", "analyse")], responses=problems(404, 422)
+)
 def close_trajectory(trajectory_id: PathId, session: WriteSession) -> TrajectoryAnswer:
     """Take no more snapshots; a closed trajectory stays as it is."""
     return TrajectoryAnswer.of(TrajectoryRepository(session).close(trajectory_id))
 
 
 @router.get("/trajectories", responses=problems(404, 422))
-def list_trajectories(wanted: Wanted, page: Paging, session: ReadSession) -> TrajectoriesAnswer:
+def list_trajectories(wanted: Wanted, page: Paging, session: ReadSession, principal: Analysing) -> TrajectoriesAnswer:
     """Trajectories in the order they were made.
 
     With from, to, bbox or max_sigma_m those that hold a snapshot that fits them all; a failure fits a time only.
     """
-    return TrajectoriesAnswer.of(TrajectoryQueries(session).page(wanted, page))
+    return TrajectoriesAnswer.of(TrajectoryQueries(session).page(wanted, page, principal.site_ids))
 
 
 @router.get(
     "/trajectories/{trajectory_id}",
+    dependencies=[needs("analyse")],
     response_model=TrajectoryPageAnswer,
     responses={200: {"content": TEXT_FORMATS}, **problems(404, 406, 409, 422)},
 )
@@ -75,7 +79,12 @@ def get_trajectory(
     return StreamingResponse(text, media_type=MEDIA_TYPES[format])
 
 
-@router.get("/trajectories/{trajectory_id}/events", response_class=EventSourceResponse, responses=problems(404, 422))
+@router.get(
+    "/trajectories/{trajectory_id}/events",
+    dependencies=[needs("analyse")],
+    response_class=EventSourceResponse,
+    responses=problems(404, 422),
+)
 async def watch_poses(wanted: Stream, services: Running) -> AsyncIterator[ServerSentEvent]:
     """Poses and failures as they come, as events ``pose`` and ``failure``; ``closed`` is the last."""
     async for arrivals in watch_trajectory(services.database, services.bell, wanted.trajectory_id, wanted.after):
