@@ -21,8 +21,8 @@ STANDALONE = (0x01, *range(0xD0, 0xD9))
 LENGTH_BYTES = 2
 # What the pixels' meaning hangs on: density, colour profile, colour transform. A decoder reads these and no others.
 NEEDED = {DENSITY: b"JFIF\0", 0xE2: b"ICC_PROFILE\0", 0xEE: b"Adobe"}
-MARKER = re.compile(rb"\xff+([^\x00\xff])")
-MARKER_BEHIND_SCAN = re.compile(rb"\xff+([^\x00\xff\xd0-\xd7])")  # zeros and restarts belong to the scan
+MARKER = re.compile(rb"\xff[^\x00\xff]")
+MARKER_BEHIND_SCAN = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # zeros and restarts belong to the scan
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def _segments(data: bytes) -> Iterator[tuple[Segment, int]]:
     """Each segment and where it ends, until the picture ends. Decoders pass over what stands between; so does this."""
     at = 0
     while (found := MARKER.search(data, at)) is not None:
-        marker, start = found[1][0], found.end() - LENGTH_BYTES
+        marker, start = found[0][1], found.start()
         at = found.end() if marker in (*STANDALONE, END) else _end_of_segment(data, marker, found.end())
         yield Segment(marker, data[start:at], data[found.end() + LENGTH_BYTES : at]), at
         if marker == END:
