@@ -1,22 +1,19 @@
-"""The service put together: settings -> database, photographs, worker pools, builds -> the HTTP interface."""
+"""The service put together: settings -> database, photographs, worker pool -> the HTTP interface."""
 
 from __future__ import annotations
 
 import asyncio
-import sys
 from collections.abc import AsyncIterator
 from contextlib import ExitStack, asynccontextmanager
 from functools import partial
-from multiprocessing import forkserver
 
 from fastapi import FastAPI
 
 from app.api.app import build_api
 from app.api.dependencies import Services
-from app.jobs.builds import BuildRunner
+from app.jobs.fork_server import start_fork_server
 from app.jobs.pool import WorkerPool
 from app.services.access_upkeep import AccessUpkeep
-from app.services.build_map import BuildLimits, MapBuilder
 from app.services.gatekeeper import AccessRules, Gatekeeper
 from app.services.keys import ensure_bootstrap_key
 from app.services.locate import LocateLimits, Locator
@@ -34,6 +31,7 @@ from app.settings import Settings, settings_from_environment
 from app.storage.database import Database
 from app.storage.migrate import check_tables, upgrade
 from app.storage.photo_store import PhotoStore, open_photo_store
+from app.storage.workers import WorkerRepository
 from app.vision.photo import PhotoLimits
 
 HOUR_S = 3600.0
@@ -53,36 +51,29 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     limits = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
     bench = (settings.sqlalchemy_url, settings.photographs_location)
     locating = WorkerPool(settings.locate_workers, settings.queue_depth, start_worker, bench)
-    # A build hands out as many photographs as there are workers; the next one is never refused.
-    building = WorkerPool(settings.build_workers, settings.build_workers, start_worker, bench)
-    width = BuildLimits(limits, settings.build_workers, settings.detect_timeout_s, settings.adjust_timeout_s)
-    runner = BuildRunner(database, MapBuilder(database, building, width))
     bell = TrajectoryBell()
-    metrics = _metrics(database, {"locate": locating, "build": building})
+    metrics = _metrics(database, {"locate": locating})
     gatekeeper = Gatekeeper(database, access_rules(settings))
     upkeep = AccessUpkeep(database, gatekeeper.ring, settings.audit_days * DAY_S)
     try:
-        _start_fork_server()
-        await asyncio.gather(asyncio.to_thread(locating.start), asyncio.to_thread(building.start))
-        await runner.start()
+        start_fork_server(start_worker.__module__)
+        await asyncio.to_thread(locating.start)
         async with upkeep.running():
             yield Services(
                 database=database,
                 intake=PhotoIntake(database, photos, limits),
-                builds=runner,
                 locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell, metrics),
                 bell=bell,
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 readiness=Readiness(
-                    Dependencies(database, photos, locating, settings.min_free_bytes, lambda: len(building.pids))
+                    Dependencies(database, photos, locating, settings.min_free_bytes, partial(_live_workers, database))
                 ),
                 metrics=metrics,
                 gatekeeper=gatekeeper,
                 sessions=BrowserSessions(database, gatekeeper.ring, settings.session_hours * HOUR_S),
             )
     finally:
-        await runner.close()
-        await asyncio.gather(asyncio.to_thread(locating.close), asyncio.to_thread(building.close))
+        await asyncio.to_thread(locating.close)
         database.close()
 
 
@@ -106,12 +97,10 @@ def access_rules(settings: Settings) -> AccessRules:
     )
 
 
-def _start_fork_server() -> None:
-    """Let the process that workers are forked from import all that they need: once, not once per worker."""
-    if sys.platform == "win32":
-        return
-    forkserver.set_forkserver_preload([start_worker.__module__])
-    forkserver.ensure_running()
+def _live_workers(database: Database) -> int:
+    """Worker processes that stand ready for builds, on whatever machine."""
+    with database.reading() as session:
+        return len(WorkerRepository(session).live_workers())
 
 
 def _open_storage(settings: Settings) -> tuple[Database, PhotoStore]:

@@ -133,6 +133,16 @@ class Settings:
         return self.database_url or f"sqlite:///{self.data_dir.resolve() / 'scattermark.db'}"
 
     @property
+    def engine_url(self) -> str:
+        """Where the job engine keeps its tables: beside an SQLite database in a file of its own, else in the same one.
+
+        The engine writes at each step of a build, and a file has one writer at a time.
+        """
+        if not self.embedded:
+            return self.sqlalchemy_url
+        return self.sqlalchemy_url.removesuffix(".db") + "-jobs.db"
+
+    @property
     def embedded(self) -> bool:
         """Whether the database is the file that this process looks after by itself, migrations included."""
         return self.sqlalchemy_url.startswith("sqlite")

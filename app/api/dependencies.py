@@ -13,7 +13,6 @@ from app.errors import NotFound
 from app.services.gatekeeper import Gatekeeper
 from app.services.locate import Locator
 from app.services.metrics import ServiceMetrics
-from app.services.ports import BuildQueue
 from app.services.readiness import Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
@@ -33,7 +32,6 @@ class Services:
 
     database: Database
     intake: PhotoIntake
-    builds: BuildQueue
     locator: Locator
     reports: ReportWriter
     bell: TrajectoryBell

@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
-from app.cli import backup, build, demo, detect, locate, migrate, restore, serve
+from app.cli import backup, build, demo, detect, locate, migrate, restore, serve, worker
 from app.errors import ScattermarkError
 
 COMMANDS = {
     "serve": serve,
+    "worker": worker,
     "demo": demo,
     "detect": detect,
     "build": build,

@@ -6,6 +6,7 @@ import argparse
 import ipaddress
 import logging
 import socket
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("--host", default="127.0.0.1", help="address to bind to (127.0.0.1)")
     parser.add_argument("--port", type=int, default=8000, help="port (8000); 0 takes a free one")
+    parser.add_argument("--no-worker", action="store_true", help="leave builds to `scattermark worker`, run elsewhere")
     parser.add_argument("--data-dir", type=Path, help="folder of photographs and database (SCATTERMARK_DATA_DIR)")
     parser.add_argument(
         "--insecure", action="store_true", help="bind to another address than this machine's own without keys"
@@ -41,6 +43,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop."""
+    from app.jobs.supervisor import supervised_worker
+
     _refuse_open_door(arguments.host, arguments.insecure)
     listener = _listen(arguments.host, arguments.port)
     with listener:
@@ -48,7 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
         start_logs(settings)
         if settings.embedded:
             migrate(settings)  # the service would do it too, and could not say in one line what is wrong
-        _run(_server(settings), listener)
+        with nullcontext() if arguments.no_worker else supervised_worker(settings.data_dir):
+            _run(_server(settings), listener)
     return 0
 
 

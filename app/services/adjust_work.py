@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
+import time
 from dataclasses import asdict, dataclass, replace
 
 from sqlalchemy.orm import Session
 
-from app.errors import Cancelled
+from app.errors import Cancelled, StorageUnavailable
 from app.geometry.control import ControlPoint
 from app.geometry.observations import Detection
 from app.geometry.target_map import TargetMap
@@ -18,11 +20,16 @@ from app.services.job_progress import JobProgress
 from app.services.photo_results import photo_results
 from app.services.workbench import workbench
 from app.storage.database import Database
-from app.storage.jobs import Job, JobRepository
+from app.storage.jobs import Job, JobRepository, JobRun
 from app.storage.records import NewCamera, Origin, PhotoResult, Publication, Site, Survey
 from app.storage.sites import SiteRepository
 from app.storage.surveys import DetectionRepository, SurveyRepository
 from app.storage.target_maps import TargetMapRepository
+
+log = logging.getLogger(__name__)
+
+# A database that restarts is back within a minute; the result of an hour's adjustment waits four for it.
+PUBLISH_PAUSES_S = (1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 120.0)
 
 
 @dataclass(frozen=True)
@@ -35,9 +42,9 @@ class Unreadable:
 
 @dataclass(frozen=True)
 class AdjustTask:
-    """The build whose detections are complete."""
+    """The attempt at a build whose detections are complete."""
 
-    job_id: str
+    run: JobRun
     unreadable: tuple[Unreadable, ...]
 
 
@@ -46,6 +53,7 @@ class _Material:
     """All that the adjustment takes."""
 
     job: Job
+    run: JobRun
     options: BuildOptions
     site: Site
     survey: Survey
@@ -68,23 +76,23 @@ def adjust_and_publish(task: AdjustTask) -> int:
     with database.reading() as session:
         material = _gather(session, task)
     plate = PlateSpec(material.site.code_family, material.site.plate_u_m)
-    progress = JobProgress(database, task.job_id)
+    progress = JobProgress(database, task.run)
     result = adjust_survey(material.photos, material.control, plate, SurveyOptions(), progress.report)
-    return _publish(database, material, _publication(material, result, task.unreadable))
+    return _publish_patiently(database, material, _publication(material, result, task.unreadable))
 
 
 def _gather(session: Session, task: AdjustTask) -> _Material:
-    job = JobRepository(session).get(task.job_id)
+    job = JobRepository(session).get(task.run.job_id)
     options = BuildOptions.from_json(job.options)
     site = SiteRepository(session).get(job.site_id)
     points = options.exclude.points_left(SiteRepository(session).control_points(job.site_id))
     photos = _survey_photos(session, job, DetectSettings.of(site.code_family, options), task.unreadable)
     survey = SurveyRepository(session).get(job.survey_id)
     if options.base_version is None:
-        return _Material(job, options, site, survey, photos, points, None)
+        return _Material(job, task.run, options, site, survey, photos, points, None)
     base = TargetMapRepository(session).load(job.site_id, options.base_version)
     control = anchored_points(anchors_of(base, [photo.detection for photo in photos]), points)
-    return _Material(job, options, site, survey, photos, control, base)
+    return _Material(job, task.run, options, site, survey, photos, control, base)
 
 
 def _survey_photos(
@@ -118,9 +126,20 @@ def _publication(material: _Material, result: SurveyResult, unreadable: tuple[Un
     return Publication(extension.target_map, origin, cameras, photos, {**report, "extension": told})
 
 
+def _publish_patiently(database: Database, material: _Material, publication: Publication) -> int:
+    """``_publish``, tried again while the database gives no answer."""
+    for pause_s in PUBLISH_PAUSES_S:
+        try:
+            return _publish(database, material, publication)
+        except StorageUnavailable as error:
+            log.warning("job %s cannot be published yet: %s", material.run.job_id, error.detail)
+            time.sleep(pause_s)
+    return _publish(database, material, publication)
+
+
 def _publish(database: Database, material: _Material, publication: Publication) -> int:
     """Map, activation and the job's success in one transaction: a job that was cancelled publishes nothing."""
-    job, site_id = material.job, material.site.site_id
+    site_id = material.site.site_id
     with database.writing() as session:
         maps = TargetMapRepository(session)
         version = maps.publish(site_id, publication)
@@ -131,6 +150,6 @@ def _publish(database: Database, material: _Material, publication: Publication) 
             "photographs": len(publication.photos),
             "unoriented": sum(photo.site_from_cam is None for photo in publication.photos),
         }
-        if not JobRepository(session).succeed(job.job_id, {"map_version": version, **counts}):
-            raise Cancelled("the job was cancelled", job_id=job.job_id)
+        if not JobRepository(session).succeed(material.run, {"map_version": version, **counts}):
+            raise Cancelled("the job was cancelled", job_id=material.run.job_id)
     return version

@@ -1,133 +1,172 @@
-"""The story of a survey: photographs -> detect each -> adjust -> publish the target map."""
+"""The story of a survey: photographs -> detect each -> adjust -> publish the target map.
+
+Each method is one step of a build, which an engine calls and may call again: whatever was done before stays done. What
+steps hand to each other is small and JSON; detections and maps go to the database.
+"""
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+import logging
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
-from app.errors import TimedOut, WorkerCrashed
+from app.errors import Cancelled, TimedOut, WorkerCrashed
 from app.services.adjust_work import AdjustTask, Unreadable, adjust_and_publish
 from app.services.build_options import BuildOptions
+from app.services.build_tasks import BuildTasks
 from app.services.detect_work import DetectSettings, DetectTask, detect_photo
 from app.services.job_progress import JobProgress
 from app.services.ports import CpuPool
-from app.storage.database import Database
-from app.storage.jobs import Job
+from app.storage.database import Database, Session
+from app.storage.job_queue import JobQueue
+from app.storage.jobs import JobRepository, JobRun
 from app.storage.sites import SiteRepository
 from app.storage.surveys import DetectionRepository, SurveyRepository
 from app.vision.photo import PhotoLimits
 
+log = logging.getLogger(__name__)
+
+PHOTOS_PER_CHUNK = 4  # of 4 to 8: a chunk then takes about a second, 50 times what the engine adds to it
+CRASHES_FORGIVEN = 1  # a process may be killed from outside; when the next one dies of the same work, it is the work
+LOOK_INTERVAL_S = 0.3  # whoever watches a build sees its photographs counted three times a second
+
+Chunks = tuple[tuple[str, ...], ...]  # digests of photographs
+Reasons = dict[str, str]  # why a photograph cannot be used, by digest
+
 
 @dataclass(frozen=True)
 class BuildLimits:
-    """How wide and how long a build may be.
+    """How long the parts of a build may take.
 
     Attributes
     ----------
     photo : PhotoLimits
-    width : int
-        Photographs that are detected at a time.
     detect_timeout_s, adjust_timeout_s : float
         Of one photograph and of the adjustment.
     """
 
     photo: PhotoLimits
-    width: int
     detect_timeout_s: float
     adjust_timeout_s: float
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """Digests of the survey's photographs, and those among them that were never detected with these settings."""
-
-    settings: DetectSettings
-    photos: tuple[tuple[str, str], ...]  # name, sha256
-    missing: tuple[str, ...]  # sha256
-
-
-@dataclass
-class _Detecting:
-    """Detection under way."""
-
-    waiting: Iterator[str]
-    done: int
-    unusable: dict[str, str] = field(default_factory=dict)  # sha256: why
-
-
 class MapBuilder:
-    """Builds target maps: rows by threads, pixels and adjustments by the pool."""
+    """Builds target maps: rows here, pixels and adjustments in the pool."""
 
     def __init__(self, database: Database, pool: CpuPool, limits: BuildLimits) -> None:
         self._database = database
         self._pool = pool
         self._limits = limits
+        self.tasks = BuildTasks()
 
-    async def build(self, job: Job) -> None:
-        """Run one build to its end; the job is then ``succeeded`` and its map published, in one transaction.
+    def plan(self, run: JobRun) -> Chunks:
+        """The photographs that were never detected with the build's settings, in chunks.
+
+        Raises
+        ------
+        NotFound
+            When the job or its survey is gone.
+        """
+        with self._database.reading() as session:
+            settings, digests = _wanted(session, run)
+            missing = DetectionRepository(session).missing(settings.key(sha256) for sha256 in digests)
+        new = [key.sha256 for key in missing]
+        return tuple(tuple(new[at : at + PHOTOS_PER_CHUNK]) for at in range(0, len(new), PHOTOS_PER_CHUNK))
+
+    def detect(self, run: JobRun, digests: Iterable[str]) -> Reasons:
+        """Detect in the photographs of a chunk that have not been detected meanwhile; why some cannot be used.
 
         Raises
         ------
         Cancelled
-            When the job was cancelled meanwhile.
-        ScattermarkError
-            Whatever ends the build; nothing is published then.
+            When the attempt is over.
         """
-        options = BuildOptions.from_json(job.options)
-        plan = await asyncio.to_thread(self._plan, job, options)
-        unusable = await self._detect_each(job, plan)
-        unreadable = tuple(Unreadable(name, unusable[sha256]) for name, sha256 in plan.photos if sha256 in unusable)
-        await self._work(adjust_and_publish, AdjustTask(job.job_id, unreadable), self._limits.adjust_timeout_s)
-
-    def _plan(self, job: Job, options: BuildOptions) -> _Plan:
+        reasons: Reasons = {}
         with self._database.reading() as session:
-            family = SiteRepository(session).get(job.site_id).code_family
-            settings = DetectSettings.of(family, options)
-            photos = tuple(
-                (photo.name, photo.sha256)
-                for photo in SurveyRepository(session).photos(job.survey_id)
-                if photo.name not in options.exclude.images
-            )
-            missing = DetectionRepository(session).missing(settings.key(sha256) for _, sha256 in photos)
-        return _Plan(settings, photos, tuple(key.sha256 for key in missing))
+            settings, _ = _wanted(session, run)
+            missing = DetectionRepository(session).missing(settings.key(sha256) for sha256 in digests)
+        for key in missing:
+            self._check_running(run)
+            reason = self._detect_one(run, DetectTask(key.sha256, settings, self._limits.photo))
+            if reason is not None:
+                reasons[key.sha256] = reason
+        with self._database.writing() as session:
+            JobQueue(session).got_on(run)
+        return reasons
 
-    async def _detect_each(self, job: Job, plan: _Plan) -> dict[str, str]:
-        """Detect in all photographs that are new to the detector; why some cannot be used, by digest."""
-        progress = JobProgress(self._database, job.job_id)
-        total = len({sha256 for _, sha256 in plan.photos})
-        detecting = _Detecting(iter(plan.missing), total - len(plan.missing))
+    def await_detection(self, run: JobRun, detecting: Callable[[], bool]) -> None:
+        """Say how many photographs are detected, by whatever worker, while ``detecting`` says that some are not.
 
-        async def detect_on() -> None:
-            for sha256 in detecting.waiting:
-                await asyncio.to_thread(progress.report, "detect", detecting.done, total)
-                reason = await self._detect_one(DetectTask(sha256, plan.settings, self._limits.photo))
-                if reason is not None:
-                    detecting.unusable[sha256] = reason
-                detecting.done += 1
+        Raises
+        ------
+        Cancelled
+            When the attempt is over.
+        """
+        progress = JobProgress(self._database, run)
+        with self._database.reading() as session:
+            settings, digests = _wanted(session, run)
+        missing = tuple(settings.key(sha256) for sha256 in digests)
+        while detecting():
+            with self._database.reading() as session:
+                missing = DetectionRepository(session).missing(missing)
+            # Those that cannot be used stay missing: the stage is complete when the chunks are, not before.
+            progress.report("detect", min(len(digests) - len(missing), len(digests) - 1), len(digests))
+            time.sleep(LOOK_INTERVAL_S)
+        progress.report("detect", len(digests), len(digests))
 
+    def adjust_and_publish(self, run: JobRun, reasons: Reasons) -> int:
+        """Adjust the survey and publish its map; the version's number. A build is published once.
+
+        Raises
+        ------
+        Cancelled
+            When the attempt is over; nothing is published.
+        ScattermarkError
+            Whatever ends the build.
+        """
+        self._check_running(run)
+        with self._database.reading() as session:
+            job = JobRepository(session).get(run.job_id)
+            photos = SurveyRepository(session).photos(job.survey_id)
+        unreadable = tuple(Unreadable(photo.name, reasons[photo.sha256]) for photo in photos if photo.sha256 in reasons)
+        version: int = self._work(run, adjust_and_publish, AdjustTask(run, unreadable), self._limits.adjust_timeout_s)
+        return version
+
+    def _detect_one(self, run: JobRun, task: DetectTask) -> str | None:
         try:
-            async with asyncio.TaskGroup() as group:
-                for _ in range(self._limits.width):
-                    group.create_task(detect_on())
-        except ExceptionGroup as errors:
-            raise errors.exceptions[0] from None
-        await asyncio.to_thread(progress.report, "detect", total, total)
-        return detecting.unusable
-
-    async def _detect_one(self, task: DetectTask) -> str | None:
-        try:
-            reason: str | None = await self._work(detect_photo, task, self._limits.detect_timeout_s)
+            reason: str | None = self._work(run, detect_photo, task, self._limits.detect_timeout_s)
         except (TimedOut, WorkerCrashed) as error:  # one hostile photograph must not end the survey
             return error.detail
         return reason
 
-    async def _work(self, function: Callable[..., Any], task: object, timeout_s: float) -> Any:
-        """Run a step in the pool; when the build is cancelled, the worker that does it is ended."""
+    def _work(self, run: JobRun, function: Callable[..., Any], task: object, timeout_s: float) -> Any:
+        """Have the pool do a part; it is ended with the attempt, and done again when its process dies."""
+        for _ in range(CRASHES_FORGIVEN):
+            try:
+                return self._work_once(run, function, task, timeout_s)
+            except WorkerCrashed as error:
+                log.warning("job %s: %s; it is tried again", run.job_id, error.detail)
+        return self._work_once(run, function, task, timeout_s)
+
+    def _work_once(self, run: JobRun, function: Callable[..., Any], task: object, timeout_s: float) -> Any:
         future = self._pool.submit(function, task, timeout_s=timeout_s)
-        try:
-            return await asyncio.shield(asyncio.wrap_future(future))
-        except asyncio.CancelledError:
-            future.cancel()
-            raise
+        with self.tasks.watching(run, future):
+            return future.result()
+
+    def _check_running(self, run: JobRun) -> None:
+        with self._database.reading() as session:
+            running = JobQueue(session).still_running([run])
+        if not running:
+            raise Cancelled("the job was cancelled", job_id=run.job_id)
+
+
+def _wanted(session: Session, run: JobRun) -> tuple[DetectSettings, tuple[str, ...]]:
+    """How a build reads its photographs, and their digests, each once."""
+    job = JobRepository(session).get(run.job_id)
+    options = BuildOptions.from_json(job.options)
+    family = SiteRepository(session).get(job.site_id).code_family
+    photos = SurveyRepository(session).photos(job.survey_id)
+    digests = dict.fromkeys(photo.sha256 for photo in photos if photo.name not in options.exclude.images)
+    return DetectSettings.of(family, options), tuple(digests)

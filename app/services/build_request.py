@@ -9,8 +9,6 @@ from sqlalchemy.orm import Session
 from app.errors import Conflict, InvalidInput
 from app.services.build_options import BuildOptions, Exclusion
 from app.services.control_points import check_datum
-from app.services.ports import BuildQueue
-from app.storage.database import Database
 from app.storage.jobs import Job, JobRepository
 from app.storage.records import Survey
 from app.storage.sites import SiteRepository
@@ -23,8 +21,8 @@ BUILD = "build"  # the kind of job
 LEAST_PHOTOS = 2  # a target's place takes rays from several photographs
 
 
-def request_build(database: Database, queue: BuildQueue, survey_id: str, options: BuildOptions) -> Job:
-    """Put a build of a survey in the queue.
+def request_build(session: Session, survey_id: str, options: BuildOptions) -> Job:
+    """Put a build of a survey in the queue: a worker finds it there once the transaction is committed.
 
     Raises
     ------
@@ -37,13 +35,10 @@ def request_build(database: Database, queue: BuildQueue, survey_id: str, options
         strict as that.
     """
     choose_detector(options.detector, options.strictness)
-    with database.writing() as session:
-        survey = SurveyRepository(session).get(survey_id)
-        _check_photos(session, survey, options.exclude)
-        _check_site(session, survey, options)
-        job = JobRepository(session).add(BUILD, survey.site_id, survey_id, options.to_json())
-    queue.wake()
-    return job
+    survey = SurveyRepository(session).get(survey_id)
+    _check_photos(session, survey, options.exclude)
+    _check_site(session, survey, options)
+    return JobRepository(session).add(BUILD, survey.site_id, survey_id, options.to_json())
 
 
 def _check_photos(session: Session, survey: Survey, exclude: Exclusion) -> None:

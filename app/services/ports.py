@@ -1,4 +1,4 @@
-"""What services need from outside, by shape: a pool that does CPU work and a queue that runs builds."""
+"""What services need from outside, by shape: a pool that does CPU work."""
 
 from __future__ import annotations
 
@@ -46,13 +46,3 @@ class CpuPool(Protocol):
 
     async def run(self, function: Callable[..., Any], *args: Any, timeout_s: float | None = None) -> Any:
         """Hand a call to the pool and wait for its result."""
-
-
-class BuildQueue(Protocol):
-    """Whoever runs the builds that wait in the database."""
-
-    def wake(self) -> None:
-        """Say that a build waits."""
-
-    def stop(self, job_id: str) -> None:
-        """Say that a build was cancelled: what is under way for it shall end."""

@@ -58,7 +58,9 @@ def test_the_published_method_builds_a_map_in_the_service(served: Served) -> Non
     room = family_room("full")
     site_id, survey_id = survey_of(served, "full", room)
     options = BuildOptions(strictness="strict", detector="paper")
-    job = served.wait(request_build(served.services.database, served.services.builds, survey_id, options).job_id)
+    with served.services.database.writing() as session:
+        job_id = request_build(session, survey_id, options).job_id
+    job = served.wait(job_id)
     assert job["state"] == "succeeded", job
     codes = {target["code"] for target in served.client.get(f"/sites/{site_id}/targets").json()["targets"]}
     # Its fixed colour thresholds and its rule of sizes cost it sightings, and a target takes three.

@@ -93,7 +93,7 @@ async def post_photos(
     status_code=202,
     responses=problems(400, 404, 409, 413, 422),
 )
-def build(survey_id: PathId, services: Running, body: Annotated[BuildBody | None, Body()] = None) -> JobStarted:
+def build(survey_id: PathId, session: WriteSession, body: Annotated[BuildBody | None, Body()] = None) -> JobStarted:
     """Detect in each photograph, adjust, publish a new target map of this survey: in the background."""
     options = (body or BuildBody()).to_domain()
-    return JobStarted(job_id=build_request.request_build(services.database, services.builds, survey_id, options).job_id)
+    return JobStarted(job_id=build_request.request_build(session, survey_id, options).job_id)

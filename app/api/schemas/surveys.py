@@ -176,6 +176,17 @@ class JobAnswer(BaseModel):
         )
 
 
+class JobsAnswer(Listing):
+    """A page of jobs."""
+
+    jobs: list[JobAnswer]
+
+    @classmethod
+    def of(cls, page: Page[Job]) -> JobsAnswer:
+        """The answer for a page."""
+        return cls(jobs=[JobAnswer.of(job) for job in page.items], next_cursor=page.next_cursor)
+
+
 def _error(job: Job) -> Problem | None:
     if job.error is None:
         return None
