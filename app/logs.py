@@ -27,6 +27,8 @@ FORMATS = ("json", "console")
 LEVELS = ("debug", "info", "warning", "error")
 # Whose events are wanted from the chosen level on; all others speak up for warnings.
 SPOKEN_FOR = ("app", "uvicorn")
+# They may have got handlers of their own before: what they say goes the way of everything else.
+TAKEN_OVER = ("uvicorn", "uvicorn.error", "uvicorn.access")
 # The engine gives its logger a handler of its own unless it finds one.
 WITH_OWN_HANDLER = ("dbos",)
 # It warns of each request id that a client made up; whoever can send requests could fill the log.
@@ -87,9 +89,10 @@ def configure_logs(options: LogOptions, stream: TextIO | None = None) -> None:
         logging.getLogger(name).setLevel(options.level.upper())
     for name in TALKATIVE:
         logging.getLogger(name).setLevel(logging.ERROR)
-    for name in WITH_OWN_HANDLER:
-        engine = logging.getLogger(name)
-        engine.handlers, engine.propagate = [logging.NullHandler()], True
+    for name in (*TAKEN_OVER, *WITH_OWN_HANDLER):
+        logger = logging.getLogger(name)
+        logger.handlers = [logging.NullHandler()] if name in WITH_OWN_HANDLER else []
+        logger.propagate = True
     logging.captureWarnings(True)
     _Process.options = options
 
