@@ -24,6 +24,7 @@ from app.services.rates import Rate
 from app.services.readiness import Dependencies, Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
+from app.services.storage_budget import StorageBudget, StorageLimits
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
 from app.services.workers import start_worker
@@ -51,6 +52,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     limits = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
     bench = (settings.sqlalchemy_url, settings.photographs_location)
     locating = WorkerPool(settings.locate_workers, settings.queue_depth, start_worker, bench)
+    budget = StorageBudget(database, photos, StorageLimits(settings.quota_bytes, settings.min_free_bytes))
     bell = TrajectoryBell()
     metrics = _metrics(database, {"locate": locating})
     gatekeeper = Gatekeeper(database, access_rules(settings))
@@ -61,7 +63,8 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
         async with upkeep.running():
             yield Services(
                 database=database,
-                intake=PhotoIntake(database, photos, limits),
+                intake=PhotoIntake(database, photos, limits, budget),
+                budget=budget,
                 locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell, metrics),
                 bell=bell,
                 reports=ReportWriter(locating, settings.report_timeout_s),

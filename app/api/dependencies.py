@@ -16,6 +16,7 @@ from app.services.metrics import ServiceMetrics
 from app.services.readiness import Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
+from app.services.storage_budget import StorageBudget
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
 from app.storage.database import Database, Session
@@ -32,6 +33,7 @@ class Services:
 
     database: Database
     intake: PhotoIntake
+    budget: StorageBudget
     locator: Locator
     reports: ReportWriter
     bell: TrajectoryBell

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import Request, UploadFile
+from fastapi import Depends, Request, UploadFile
 from starlette.requests import ClientDisconnect
 
+from app.api.content_digest import announced_sha256
 from app.errors import BadPhoto
+from app.services.surveys import Upload
 
 CHUNK_BYTES = 2**18  # few enough to be cheap, small enough to keep many uploads in memory
 
@@ -19,6 +21,13 @@ IMAGE_BODY: dict[str, Any] = {
         for media_type in ("image/jpeg", "image/png", "image/webp", "application/octet-stream")
     },
 }
+
+
+def upload_of_body(filename: str, request: Request, sha256: Annotated[str | None, Depends(announced_sha256)]) -> Upload:
+    """The photograph that a request's body is, with what its headers announce of it."""
+    length = request.headers.get("content-length", "")
+    size_bytes = int(length) if length.isascii() and length.isdigit() else 0
+    return Upload(filename, chunks_of_body(request), size_bytes, sha256)
 
 
 async def chunks_of_body(request: Request) -> AsyncIterator[bytes]:

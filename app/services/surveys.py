@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import re
 import time
 import unicodedata
@@ -13,14 +14,44 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from app.errors import InvalidInput, ScattermarkError
+from app.services.storage_budget import StorageBudget
 from app.storage.database import Database
-from app.storage.photo_store import IncomingPhoto, PhotoStore
+from app.storage.incoming_photo import IncomingPhoto
+from app.storage.photo_references import lock_photos
+from app.storage.photo_store import PhotoStore
 from app.storage.records import StoredPhoto, Survey
 from app.storage.surveys import SurveyRepository
 from app.vision.photo import PhotoLimits, read_header
+from app.vision.privacy.without_position import without_position
 
 # A name is a label, never a path: letters and digits of any script, and what cameras and people put between them.
 FILENAME = re.compile(r"\w[\w .()+,@~=-]{0,149}")
+
+
+class DigestMismatch(InvalidInput):
+    """Bytes that are not those which the client announced."""
+
+    slug = "digest-mismatch"
+
+
+@dataclass(frozen=True)
+class Upload:
+    """A photograph that a client sends.
+
+    Attributes
+    ----------
+    filename : str
+    chunks : async iterable of bytes
+    size_bytes : int
+        What the client announces; 0 when it does not.
+    sha256 : str or None
+        Digest that the client announces.
+    """
+
+    filename: str
+    chunks: AsyncIterable[bytes]
+    size_bytes: int = 0
+    sha256: str | None = None
 
 
 @dataclass(frozen=True)
@@ -29,6 +60,10 @@ class ArrivedPhoto:
 
     photo: StoredPhoto
     incoming: IncomingPhoto
+
+    def content(self) -> bytes:
+        """What is stored of it."""
+        return without_position(self.incoming.content())
 
 
 @dataclass(frozen=True)
@@ -68,41 +103,24 @@ def checked_filename(filename: str) -> str:
     return name
 
 
-def _inspect(name: str, incoming: IncomingPhoto, limits: PhotoLimits) -> ArrivedPhoto:
-    """Look at a received photograph's header before anything is kept; an error names the file."""
-    try:
-        header = read_header(incoming.content(), limits)
-    except ScattermarkError as error:
-        raise type(error)(f"{name}: {error.detail}", **{**error.fields, "filename": name}) from error
-    photo = StoredPhoto(
-        name=name,
-        sha256=incoming.sha256,
-        size_bytes=incoming.size_bytes,
-        sent_sha256=incoming.sha256,
-        sent_bytes=incoming.size_bytes,
-        identity=header.identity,
-        captured_at=header.captured_at,
-        created_s=time.time(),
-    )
-    return ArrivedPhoto(photo, incoming)
-
-
 class PhotoIntake:
-    """Takes photographs into a survey: streamed to disk, looked at, then kept and listed together.
+    """Takes photographs into a survey: received, looked at, stored without position, then listed together.
 
     Parameters
     ----------
     database : Database
     photos : PhotoStore
     limits : PhotoLimits
+    budget : StorageBudget
     """
 
-    def __init__(self, database: Database, photos: PhotoStore, limits: PhotoLimits) -> None:
+    def __init__(self, database: Database, photos: PhotoStore, limits: PhotoLimits, budget: StorageBudget) -> None:
         self._database = database
         self._photos = photos
         self._limits = limits
+        self._budget = budget
 
-    async def take(self, survey_id: str, files: Sequence[tuple[str, AsyncIterable[bytes]]]) -> tuple[AddedPhoto, ...]:
+    async def take(self, survey_id: str, uploads: Sequence[Upload]) -> tuple[AddedPhoto, ...]:
         """Add photographs to a survey, all or none; nothing is left of what breaks off.
 
         Raises
@@ -110,30 +128,78 @@ class PhotoIntake:
         NotFound
             When there is no such survey.
         InvalidInput, BadPhoto, UnsupportedPhoto, PhotoTooLarge
-            For a photograph that no survey can use; the error names it.
+            For a photograph that no survey can use, or that is not the one that was sent; the error names it.
         Conflict
             When a name is taken by other bytes.
+        OutOfSpace, StorageUnavailable
+            When they cannot be stored; nothing of them is.
         """
         await asyncio.to_thread(self._check_survey, survey_id)
+        await asyncio.to_thread(self._budget.admit, sum(upload.size_bytes for upload in uploads))
         with ExitStack() as arriving:
-            arrived = []
-            for filename, chunks in files:
-                name = checked_filename(filename)
-                incoming = arriving.enter_context(self._photos.receive(self._limits.max_bytes))
-                async for chunk in chunks:
-                    await asyncio.to_thread(incoming.write, chunk)
-                arrived.append(await asyncio.to_thread(_inspect, name, incoming, self._limits))
+            arrived = [await self._receive(upload, arriving) for upload in uploads]
+            await asyncio.to_thread(self._store, survey_id, arrived)
             return await asyncio.to_thread(self._add, survey_id, arrived)
+
+    async def _receive(self, upload: Upload, arriving: ExitStack) -> ArrivedPhoto:
+        name = checked_filename(upload.filename)
+        incoming = arriving.enter_context(self._photos.receive(self._limits.max_bytes))
+        async for chunk in upload.chunks:
+            await asyncio.to_thread(incoming.write, chunk)
+        _check_digest(name, upload.sha256, incoming.sha256)
+        return await asyncio.to_thread(_inspect, name, incoming, self._limits)
 
     def _check_survey(self, survey_id: str) -> None:
         with self._database.reading() as session:
             SurveyRepository(session).get(survey_id)
 
+    def _store(self, survey_id: str, arrived: Sequence[ArrivedPhoto]) -> None:
+        """Put what is new into the store, before any row refers to it and outside of any transaction."""
+        with self._database.reading() as session:
+            surveys = SurveyRepository(session)
+            new = [item for item in arrived if not surveys.has_photo(survey_id, item.photo)]
+        self._budget.admit(sum(item.photo.size_bytes for item in new))
+        for item in new:
+            self._photos.put(item.photo.sha256, item.content())
+
     def _add(self, survey_id: str, arrived: Sequence[ArrivedPhoto]) -> tuple[AddedPhoto, ...]:
         with self._database.writing() as session:
+            lock_photos(session, [item.photo.sha256 for item in arrived])
             surveys = SurveyRepository(session)
             added = tuple(AddedPhoto(item.photo, surveys.add_photo(survey_id, item.photo)) for item in arrived)
-            # Files last: when one cannot be written the rows are undone; a file without a row harms nobody.
             for item in arrived:
-                self._photos.put(item.photo.sha256, item.incoming.content())
+                # A purge may have taken the file while no row referred to it; from here on it cannot.
+                if not self._photos.holds(item.photo.sha256):
+                    self._photos.put(item.photo.sha256, item.content())
         return added
+
+
+def _check_digest(name: str, announced: str | None, arrived: str) -> None:
+    if announced is not None and announced != arrived:
+        raise DigestMismatch(
+            f"{name}: other bytes arrived than were announced (SHA-256 {arrived}, announced {announced}); "
+            "send the photograph again",
+            filename=name,
+            sha256=arrived,
+        )
+
+
+def _inspect(name: str, incoming: IncomingPhoto, limits: PhotoLimits) -> ArrivedPhoto:
+    """Look at a received photograph's header before anything is kept; an error names the file."""
+    content = incoming.content()
+    try:
+        header = read_header(content, limits)
+    except ScattermarkError as error:
+        raise type(error)(f"{name}: {error.detail}", **{**error.fields, "filename": name}) from error
+    stored = without_position(content)
+    photo = StoredPhoto(
+        name=name,
+        sha256=incoming.sha256 if stored is content else hashlib.sha256(stored).hexdigest(),
+        size_bytes=len(stored),
+        sent_sha256=incoming.sha256,
+        sent_bytes=incoming.size_bytes,
+        identity=header.identity,
+        captured_at=header.captured_at,
+        created_s=time.time(),
+    )
+    return ArrivedPhoto(photo, incoming)

@@ -85,17 +85,28 @@ class SurveyRepository:
         """
         if insert_if_absent(self._session, PhotographRow, **_photo_values(survey_id, photo)):
             return True
+        self.has_photo(survey_id, photo)
+        return False
+
+    def has_photo(self, survey_id: str, photo: StoredPhoto) -> bool:
+        """Whether the same bytes, as they were sent, are there already under this name.
+
+        Raises
+        ------
+        Conflict
+            When other bytes are there under this name.
+        """
         query = select(PhotographRow.sent_sha256).where(
             PhotographRow.survey_id == survey_id, PhotographRow.name == photo.name
         )
-        present_sha256 = self._session.scalars(query).one()
-        if present_sha256 != photo.sent_sha256:
+        present_sha256 = self._session.scalars(query).one_or_none()
+        if present_sha256 not in (None, photo.sent_sha256):
             raise Conflict(
                 f"the survey already has another photograph named {photo.name}; upload this one under another name",
                 filename=photo.name,
                 sha256=present_sha256,
             )
-        return False
+        return present_sha256 is not None
 
     def photo_page(self, survey_id: str, request: PageRequest) -> Page[StoredPhoto]:
         """Photographs of a survey by name."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import io
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -14,12 +15,14 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from app.errors import BadPhoto, Conflict, InvalidInput, NotFound, OutOfSpace, PhotoTooLarge
-from app.services.surveys import AddedPhoto, PhotoIntake, checked_filename
+from app.services.storage_budget import StorageBudget, StorageLimits
+from app.services.surveys import AddedPhoto, DigestMismatch, PhotoIntake, Upload, checked_filename
 from app.storage.database import Database
 from app.storage.photo_store import open_photo_store
 from app.storage.surveys import SurveyRepository
 from app.vision.photo import PhotoLimits
 from tests.storage.examples import site_with_survey
+from tests.vision.privacy.hiding import Place, exif_block, jpeg_with, segment
 
 LIMITS = PhotoLimits(max_bytes=200_000, max_pixels=100_000)
 
@@ -44,11 +47,18 @@ class Survey:
     def __init__(self, database: Database, folder: Path) -> None:
         self.database, self.folder = database, folder
         _, self.survey_id = site_with_survey(database)
-        self.intake = PhotoIntake(database, open_photo_store(str(folder)), LIMITS)
+        self.photos = open_photo_store(str(folder))
+        self.limit(StorageLimits())
 
-    def take(self, *files: tuple[str, bytes], breaks_off: bool = False) -> tuple[AddedPhoto, ...]:
-        chunks = [(name, in_chunks(data, breaks_off)) for name, data in files]
-        return asyncio.run(self.intake.take(self.survey_id, chunks))
+    def limit(self, limits: StorageLimits) -> None:
+        budget = StorageBudget(self.database, self.photos, limits)
+        self.intake = PhotoIntake(self.database, self.photos, LIMITS, budget)
+
+    def take(
+        self, *files: tuple[str, bytes], breaks_off: bool = False, sha256: str | None = None
+    ) -> tuple[AddedPhoto, ...]:
+        uploads = [Upload(name, in_chunks(data, breaks_off), sha256=sha256) for name, data in files]
+        return asyncio.run(self.intake.take(self.survey_id, uploads))
 
     @property
     def names(self) -> list[str]:
@@ -121,9 +131,74 @@ def test_a_full_disk_undoes_the_rows(survey: Survey, monkeypatch: pytest.MonkeyP
     assert survey.files == 0
 
 
+def test_what_is_stored_has_no_position_and_the_client_knows_it_by_what_it_sent(survey: Survey) -> None:
+    place = Place(52.123456, 13.654321)
+    sent = jpeg_with(segment(0xE1, exif_block(place)))
+    (added,) = survey.take(("a.jpg", sent))
+    photo = added.photo
+    assert (photo.sent_sha256, photo.sent_bytes) == (hashlib.sha256(sent).hexdigest(), len(sent))
+    stored = survey.photos.read(photo.sha256)
+    assert (hashlib.sha256(stored).hexdigest(), len(stored)) == (photo.sha256, photo.size_bytes)
+    assert not any(trace in stored for trace in place.traces)
+    assert (photo.identity.model, photo.captured_at) == ("Phone 3", "2026:02:03 04:05:06")
+    (again,) = survey.take(("a.jpg", sent))
+    assert not again.created
+    elsewhere = jpeg_with(segment(0xE1, exif_block(Place(1.5, 2.5))))
+    with pytest.raises(Conflict, match=r"a\.jpg"):
+        survey.take(("a.jpg", elsewhere))
+    survey.take(("b.jpg", elsewhere))  # where it was taken was all that differed
+    assert survey.files == 1
+
+
+def test_bytes_that_were_not_announced_are_refused(survey: Survey) -> None:
+    data = jpeg(1)
+    with pytest.raises(DigestMismatch, match=r"a\.jpg: other bytes arrived"):
+        survey.take(("a.jpg", data), sha256=hashlib.sha256(b"others").hexdigest())
+    assert (survey.names, survey.files) == ([], 0)
+    survey.take(("a.jpg", data), sha256=hashlib.sha256(data).hexdigest())
+    assert survey.names == ["a.jpg"]
+
+
+def test_the_quota_counts_what_is_stored_once(survey: Survey) -> None:
+    first, second = jpeg(1), jpeg(2)
+    survey.limit(StorageLimits(quota_bytes=len(first) + 10))
+    survey.take(("a.jpg", first))
+    with pytest.raises(OutOfSpace, match="SCATTERMARK_QUOTA_BYTES") as refused:
+        survey.take(("b.jpg", second))
+    assert refused.value.fields == {"used_bytes": len(first), "quota_bytes": len(first) + 10}
+    assert (survey.names, survey.files) == (["a.jpg"], 1)
+    survey.take(("a.jpg", first))  # takes no room
+    survey.limit(StorageLimits(quota_bytes=len(first) + len(second)))
+    survey.take(("b.jpg", second))
+
+
+def test_room_on_the_disk_is_left_to_others(survey: Survey) -> None:
+    survey.limit(StorageLimits(min_free_bytes=2**62))
+    with pytest.raises(OutOfSpace, match="SCATTERMARK_MIN_FREE_BYTES"):
+        survey.take(("a.jpg", jpeg(1)))
+    assert (survey.names, survey.files) == ([], 0)
+
+
+def test_a_file_that_a_purge_takes_before_its_row_is_there_is_put_once_more(
+    survey: Survey, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put, puts = survey.photos.put, list[str]()
+
+    def put_and_lose(sha256: str, data: bytes) -> None:
+        puts.append(sha256)
+        put(sha256, data)
+        if len(puts) == 1:
+            survey.photos.delete(sha256)
+
+    monkeypatch.setattr(survey.photos, "put", put_and_lose)
+    (added,) = survey.take(("a.jpg", jpeg(1)))
+    assert survey.photos.read(added.photo.sha256) == jpeg(1)
+    assert len(puts) == 2
+
+
 def test_an_unknown_survey_takes_nothing(survey: Survey) -> None:
     with pytest.raises(NotFound, match="no survey"):
-        asyncio.run(survey.intake.take("nowhere", [("a.jpg", in_chunks(jpeg(1)))]))
+        asyncio.run(survey.intake.take("nowhere", [Upload("a.jpg", in_chunks(jpeg(1)))]))
     assert survey.files == 0
 
 

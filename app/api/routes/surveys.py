@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Body, File, Request, Response, UploadFile
+from fastapi import APIRouter, Body, Depends, File, Response, UploadFile
 
 from app.api.dependencies import Paging, PathId, ReadSession, Running, WriteSession
 from app.api.problems import problems
@@ -19,8 +19,9 @@ from app.api.schemas.surveys import (
     UploadedPhotoAnswer,
 )
 from app.api.security import needs
-from app.api.uploads import IMAGE_BODY, chunks_of_body, chunks_of_file
+from app.api.uploads import IMAGE_BODY, chunks_of_file, upload_of_body
 from app.services import build_request, surveys
+from app.services.surveys import Upload
 from app.storage.surveys import SurveyRepository
 
 router = APIRouter(tags=["surveys"])
@@ -61,14 +62,17 @@ def list_photos(survey_id: PathId, page: Paging, session: ReadSession) -> Photos
     "/surveys/{survey_id}/images/{filename:path}",
     dependencies=[needs("survey")],
     status_code=201,
-    responses={200: {"model": UploadedPhotoAnswer}, **problems(404, 409, 413, 415, 422)},
+    responses={200: {"model": UploadedPhotoAnswer}, **problems(404, 409, 413, 415, 422, 503, 507)},
     openapi_extra={"requestBody": IMAGE_BODY},
 )
 async def put_photo(
-    survey_id: PathId, filename: str, request: Request, response: Response, services: Running
+    survey_id: PathId, upload: Annotated[Upload, Depends(upload_of_body)], response: Response, services: Running
 ) -> UploadedPhotoAnswer:
-    """Upload one photograph as raw body; 200 when the same bytes are there, so an interrupted upload resumes."""
-    (added,) = await services.intake.take(survey_id, [(filename, chunks_of_body(request))])
+    """Upload one photograph as raw body; 200 when the same bytes are there, so an interrupted upload resumes.
+
+    A position on the Earth in its metadata is not stored; bytes and sha256 of the answer are those that were sent.
+    """
+    (added,) = await services.intake.take(survey_id, [upload])
     response.status_code = 201 if added.created else 200
     return UploadedPhotoAnswer.of_upload(added)
 
@@ -77,13 +81,14 @@ async def put_photo(
     "/surveys/{survey_id}/images",
     dependencies=[needs("survey")],
     status_code=201,
-    responses=problems(400, 404, 409, 413, 415, 422),
+    responses=problems(400, 404, 409, 413, 415, 422, 503, 507),
 )
 async def post_photos(
     survey_id: PathId, images: Annotated[list[UploadFile], File(min_length=1)], services: Running
 ) -> UploadAnswer:
     """Upload photographs as a form, all or none."""
-    added = await services.intake.take(survey_id, [(image.filename or "", chunks_of_file(image)) for image in images])
+    uploads = [Upload(image.filename or "", chunks_of_file(image), image.size or 0) for image in images]
+    added = await services.intake.take(survey_id, uploads)
     return UploadAnswer(images=[UploadedPhotoAnswer.of_upload(photo) for photo in added])
 
 

@@ -61,8 +61,8 @@ class PhotoAnswer(BaseModel):
     """A photograph of a survey."""
 
     name: str
-    bytes: int
-    sha256: str
+    bytes: int = Field(description="As they were sent; what is stored has no position on the Earth.")
+    sha256: str = Field(description="Of the bytes as they were sent.")
     width_px: int
     height_px: int
     camera: str = Field(description="Make and model as EXIF tells them, empty when it does not.")
@@ -73,8 +73,8 @@ class PhotoAnswer(BaseModel):
         """The answer for a photograph."""
         return cls(
             name=photo.name,
-            bytes=photo.size_bytes,
-            sha256=photo.sha256,
+            bytes=photo.sent_bytes,
+            sha256=photo.sent_sha256,
             width_px=photo.identity.width_px,
             height_px=photo.identity.height_px,
             camera=f"{photo.identity.make} {photo.identity.model}".strip(),
