@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
-from app.cli import backup, build, demo, detect, locate, migrate, restore, serve, worker
+from app.cli import backup, build, demo, detect, keys, locate, migrate, restore, serve, worker
 from app.errors import ScattermarkError
 
 COMMANDS = {
@@ -20,6 +20,7 @@ COMMANDS = {
     "detect": detect,
     "build": build,
     "locate": locate,
+    "keys": keys,
     "migrate": migrate,
     "backup": backup,
     "restore": restore,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import ipaddress
 import logging
 import socket
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.cli.door import Door, add_door, guarded, host_of, open_door, refuse_open_door
 from app.cli.migrate import migrate, settings_of
 from app.errors import InvalidInput, ScattermarkError
 
@@ -32,28 +32,27 @@ HELP = "run the service"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("--host", default="127.0.0.1", help="address to bind to (127.0.0.1)")
+    add_door(parser)
     parser.add_argument("--port", type=int, default=8000, help="port (8000); 0 takes a free one")
     parser.add_argument("--no-worker", action="store_true", help="leave builds to `scattermark worker`, run elsewhere")
     parser.add_argument("--data-dir", type=Path, help="folder of photographs and database (SCATTERMARK_DATA_DIR)")
-    parser.add_argument(
-        "--insecure", action="store_true", help="bind to another address than this machine's own without keys"
-    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop."""
     from app.jobs.supervisor import supervised_worker
 
-    _refuse_open_door(arguments.host, arguments.insecure)
-    listener = _listen(arguments.host, arguments.port)
+    host = host_of(arguments)
+    settings = guarded(settings_of(arguments.data_dir), arguments, host)
+    refuse_open_door(settings, arguments, host)
+    listener = _listen(host, arguments.port)
     with listener:
-        settings = settings_of(arguments.data_dir)
         start_logs(settings)
         if settings.embedded:
             migrate(settings)  # the service would do it too, and could not say in one line what is wrong
+        door = open_door(settings, arguments, host)
         with nullcontext() if arguments.no_worker else supervised_worker(settings.data_dir):
-            _run(_server(settings), listener)
+            _run(_server(settings, door), listener)
     return 0
 
 
@@ -80,24 +79,6 @@ def _without_traceback(record: logging.LogRecord) -> bool:
     return True
 
 
-def _refuse_open_door(host: str, insecure: bool) -> None:
-    if insecure or _is_loopback(host):
-        return
-    raise InvalidInput(
-        f"{host} can be reached from other machines and this service has no keys yet: "
-        "bind to 127.0.0.1, or say --insecure if you trust everyone who can reach it"
-    )
-
-
-def _is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
-
-
 def _listen(host: str, port: int) -> socket.socket:
     """A listening socket, so that port 0 is known and a taken port is one clear line."""
     if not 0 <= port <= GREATEST_PORT:
@@ -113,12 +94,12 @@ def _listen(host: str, port: int) -> socket.socket:
     return listener
 
 
-def _url(listener: socket.socket) -> str:
+def _url(listener: socket.socket, scheme: str) -> str:
     host, port = listener.getsockname()[:2]
-    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+    return f"{scheme}://[{host}]:{port}" if ":" in host else f"{scheme}://{host}:{port}"
 
 
-def _server(settings: Settings) -> uvicorn.Server:
+def _server(settings: Settings, door: Door) -> uvicorn.Server:
     import uvicorn
 
     from app.api.slow_headers import PatientProtocol
@@ -131,9 +112,17 @@ def _server(settings: Settings) -> uvicorn.Server:
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:
             await super().startup(sockets)
             if self.started and sockets:
-                print(f"Scattermark is ready at {_url(sockets[0])}", flush=True)
+                print(door.greeting(_url(sockets[0], door.scheme)), flush=True)
 
     app = create_app(settings)
     # Logs go where all of this process's go; requests are logged by the application, which knows more of them.
-    config = uvicorn.Config(app, http=PatientProtocol, log_config=None, access_log=False, lifespan="on")
+    config = uvicorn.Config(
+        app,
+        http=PatientProtocol,
+        log_config=None,
+        access_log=False,
+        lifespan="on",
+        ssl_certfile=None if door.certificate is None else door.certificate.certificate_path,
+        ssl_keyfile=None if door.certificate is None else door.certificate.key_path,
+    )
     return Server(config, app.state.draining, settings.drain_s)
