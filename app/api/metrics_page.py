@@ -5,17 +5,11 @@ from __future__ import annotations
 from functools import partial
 
 from fastapi import Response
-from prometheus_client import (
-    CONTENT_TYPE_LATEST,
-    CollectorRegistry,
-    GCCollector,
-    PlatformCollector,
-    ProcessCollector,
-    generate_latest,
-)
+from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 
 from app.errors import TimedOut
 from app.services.bounded import Bounded
+from app.services.metrics_of_process import process_registry
 
 PATIENCE_S = 8.0  # Prometheus waits ten by default
 
@@ -30,9 +24,7 @@ class MetricsPage:
     """
 
     def __init__(self) -> None:
-        self.registry = CollectorRegistry()
-        for of_process in (ProcessCollector, PlatformCollector, GCCollector):
-            of_process(registry=self.registry)
+        self.registry = process_registry()
         self._text = Bounded(partial(generate_latest, self.registry), PATIENCE_S)
 
     async def answer(self) -> Response:

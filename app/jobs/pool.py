@@ -38,8 +38,9 @@ class WorkerPool:
 
     Attributes
     ----------
-    on_wait : callable or None
-        Called with the seconds that each piece of work has waited for a worker, once it is done.
+    on_done : callable or None
+        Called with each piece of work that a worker did: its function's name, the seconds that it waited for a worker
+        and those that it took.
     """
 
     def __init__(
@@ -52,7 +53,7 @@ class WorkerPool:
         self._in_flight: set[Task] = set()
         self._lock = threading.Lock()
         self._open = False
-        self.on_wait: Callable[[float], None] | None = None
+        self.on_done: Callable[[str, float, float], None] | None = None
 
     @property
     def figures(self) -> PoolFigures:
@@ -163,6 +164,7 @@ class WorkerPool:
     def _count_out(self, task: Task) -> None:
         with self._lock:
             self._in_flight.discard(task)
-        self._gate.leave(task.running_s)
-        if self.on_wait is not None and task.waited_s is not None:
-            self.on_wait(task.waited_s)
+        waited_s, running_s = task.waited_s, task.running_s
+        self._gate.leave(running_s)
+        if self.on_done is not None and waited_s is not None and running_s is not None:
+            self.on_done(task.function.__name__, waited_s, running_s)

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from importlib.metadata import version
 
-from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
+from prometheus_client import CollectorRegistry, Counter, Histogram
 from prometheus_client.metrics_core import Metric
 from prometheus_client.registry import Collector
 
@@ -19,7 +18,7 @@ from app.errors import NotLocated, ScattermarkError
 MS_PER_S = 1000.0
 # Stages take from tenths of a millisecond (reading a small header) to seconds (a photograph of 60 megapixels).
 STAGE_BUCKETS_S = (0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
-QUEUE, RECORD, TOTAL = "queue", "record", "total"
+RECORD, TOTAL = "record", "total"
 
 
 class ServiceMetrics(Collector):
@@ -27,8 +26,6 @@ class ServiceMetrics(Collector):
 
     def __init__(self) -> None:
         self._registry = CollectorRegistry()
-        build = Gauge("scattermark_build_info", "The release that runs.", ("version",), registry=self._registry)
-        build.labels(version("scattermark")).set(1)
         self._located = Counter(
             "scattermark_locate_located_total", "Snapshots that got a pose.", registry=self._registry
         )
@@ -40,7 +37,7 @@ class ServiceMetrics(Collector):
         )
         self._stages = Histogram(
             "scattermark_locate_stage_duration_seconds",
-            "Time that a snapshot spent waiting for a worker (queue), in each stage of its work, and being recorded.",
+            "Time that a snapshot spent in each stage of its work, and being recorded.",
             ("stage",),
             buckets=STAGE_BUCKETS_S,
             registry=self._registry,
@@ -81,7 +78,3 @@ class ServiceMetrics(Collector):
                 self._stages.labels(stage).observe(duration_ms / MS_PER_S)
         with self._stages.labels(RECORD).time():
             yield
-
-    def waited(self, duration_s: float) -> None:
-        """Count how long a piece of work waited for a worker."""
-        self._stages.labels(QUEUE).observe(duration_s)

@@ -31,7 +31,16 @@ class PoolFigures:
 
 
 class CpuPool(Protocol):
-    """Worker processes behind a gate."""
+    """Worker processes behind a gate.
+
+    Attributes
+    ----------
+    on_done : callable or None
+        Called with each piece of work that a worker did: its function's name, the seconds that it waited for a worker
+        and those that it took.
+    """
+
+    on_done: Callable[[str, float, float], None] | None
 
     @property
     def figures(self) -> PoolFigures:

@@ -15,8 +15,8 @@ from tests.api.serving import Served, assert_problem
 # https://prometheus.io/docs/practices/naming/: base units, plural, in the name.
 NAME = re.compile(r"scattermark_[a-z_]+")
 FOREIGN = ("process_", "python_")
-LABELS = {"method", "route", "status", "stage", "reason", "pool", "access", "state", "kind", "version", "le"}
-STAGES = ("queue", "decode", "detect", "resect", "record")
+LABELS = {"method", "route", "status", "stage", "reason", "pool", "task", "access", "state", "kind", "version", "le"}
+STAGES = ("decode", "detect", "resect", "record")
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +68,9 @@ def test_a_snapshot_is_counted_with_the_time_of_its_stages(served: Served, room:
         counted = "scattermark_locate_stage_duration_seconds_count"
         assert after.value(counted, stage=stage) > before.value(counted, stage=stage), stage
         assert after.value("scattermark_locate_stage_duration_seconds_sum", stage=stage) > 0.0
+    for counted in ("scattermark_pool_task_wait_seconds_count", "scattermark_pool_task_duration_seconds_count"):
+        labels = {"pool": "locate", "task": "locate_photo"}
+        assert after.value(counted, **labels) > before.value(counted, **labels)
 
 
 def test_refusals_are_counted_by_reason(served: Served, room: SurveyedRoom, blank: bytes) -> None:
