@@ -27,7 +27,7 @@ from app.services.sessions import BrowserSessions
 from app.services.storage_budget import StorageBudget, StorageLimits
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
-from app.services.workers import start_worker
+from app.services.workers import start_locating
 from app.settings import Settings, settings_from_environment
 from app.storage.database import Database
 from app.storage.migrate import check_tables, upgrade
@@ -51,21 +51,22 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     database, photos = await asyncio.to_thread(_open_storage, settings)
     limits = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
     bench = (settings.sqlalchemy_url, settings.photographs_location)
-    locating = WorkerPool(settings.locate_workers, settings.queue_depth, start_worker, bench)
+    locating = WorkerPool(settings.locate_workers, settings.queue_depth, start_locating, bench)
     budget = StorageBudget(database, photos, StorageLimits(settings.quota_bytes, settings.min_free_bytes))
     bell = TrajectoryBell()
     metrics = _metrics(database, {"locate": locating})
+    locator = Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell, metrics)
     gatekeeper = Gatekeeper(database, access_rules(settings))
     upkeep = AccessUpkeep(database, gatekeeper.ring, settings.audit_days * DAY_S)
     try:
-        start_fork_server(start_worker.__module__)
+        start_fork_server(start_locating.__module__)
         await asyncio.to_thread(locating.start)
-        async with upkeep.running():
+        async with upkeep.running(), locator.running():
             yield Services(
                 database=database,
                 intake=PhotoIntake(database, photos, limits, budget),
                 budget=budget,
-                locator=Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell, metrics),
+                locator=locator,
                 bell=bell,
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 readiness=Readiness(
@@ -84,7 +85,6 @@ def _metrics(database: Database, pools: dict[str, WorkerPool]) -> ServiceMetrics
     metrics = ServiceMetrics()
     for collector in (PoolMetrics(pools), ConnectionMetrics(database), StoredMetrics(database)):
         metrics.include(collector)
-    pools["locate"].on_wait = metrics.waited
     return metrics
 
 

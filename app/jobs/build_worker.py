@@ -15,6 +15,7 @@ from app.jobs.foreman import TURN_S, Foreman, GivenUp, Place
 from app.jobs.fork_server import start_fork_server
 from app.jobs.pool import WorkerPool
 from app.jobs.slot import Slot, held_slot
+from app.jobs.worker_metrics import metrics_served
 from app.jobs.workflows import Crew, sign_on, the_crew
 from app.services.build_map import BuildLimits, MapBuilder
 from app.services.workers import start_worker
@@ -61,7 +62,7 @@ def run_worker(settings: Settings, stop: threading.Event, ready: Callable[[str],
     start_fork_server(start_worker.__module__)
     with held_slot(settings.data_dir / SLOTS_FOLDER) as slot:
         pool = _started_pool(settings)
-        with _signed_up(database, slot) as worker_id:
+        with metrics_served(settings.worker_metrics_port, pool, database), _signed_up(database, slot) as worker_id:
             sign_on(Crew(database, _builder(settings, database, pool), worker_id))
             engine = Engine(settings.engine_url, worker_id, settings.build_workers * CHUNKS_PER_PROCESS)
             Chores({"forgetting ended builds": engine.forget_ended}).start()
