@@ -26,7 +26,8 @@ from app.storage.jobs import JobRun
 VERSION = "jobs-1"
 SCHEMA = "dbos"  # of the engine's tables on Postgres
 APPLICATION = "scattermark"
-POLL_INTERVAL_S = 0.2  # of the queue of chunks; a chunk takes about a second
+CHUNKS_POLL_S = 0.25  # a chunk takes about a second, and one is at hand beside those under way
+BUILDS_POLL_S = 1.0  # of builds whose worker died, which was found out in seconds
 POOL_SIZE = 10  # connections to the engine's database: one per chunk under way and a few threads of its own
 FORGET_AFTER = timedelta(hours=1)  # an ended build is told by the job table; the engine's record is for whoever debugs
 FORGOTTEN_AT_ONCE = 200
@@ -100,11 +101,11 @@ class Engine:
         self._worker_id = worker_id
         # Builds that are resumed, and chunks, wait in different queues: a build that waits for its chunks must not
         # take their place. The width of the worker that started last is in force for all.
-        DBOS.register_queue(workflows.BUILDS, polling_interval_sec=POLL_INTERVAL_S)
+        DBOS.register_queue(workflows.BUILDS, polling_interval_sec=BUILDS_POLL_S)
         DBOS.register_queue(
             workflows.CHUNKS,
             worker_concurrency=width,
-            polling_interval_sec=POLL_INTERVAL_S,
+            polling_interval_sec=CHUNKS_POLL_S,
             on_conflict="always_update",
         )
 

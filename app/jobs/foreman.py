@@ -17,7 +17,7 @@ from app.storage.workers import WorkerRepository
 
 log = logging.getLogger(__name__)
 
-TURN_S = 0.2  # a job that is asked for begins, and one that is cancelled ends, within this time
+TURN_S = 0.25  # a job that is asked for begins, and one that is cancelled ends, within this time
 CHECK_INTERVAL_S = 5.0  # between two looks for jobs that nobody is at work on though the table says this worker is
 
 

@@ -54,7 +54,7 @@ class Supervisor(threading.Thread):
     def run(self) -> None:
         """The thread's life."""
         pause_s = FIRST_PAUSE_S
-        while (process := self._started()) is not None:
+        while (process := self._begin()) is not None:
             began_s = time.monotonic()
             status = process.wait()
             if self._stopping.is_set():
@@ -80,7 +80,7 @@ class Supervisor(threading.Thread):
         if process is not None and process.stdin is not None:
             process.stdin.close()
 
-    def _started(self) -> subprocess.Popen[bytes] | None:
+    def _begin(self) -> subprocess.Popen[bytes] | None:
         """A new worker; None when none is wanted any more."""
         command = [sys.executable, "-m", "app.cli", "worker", "--supervised", "--data-dir", str(self._data_dir)]
         with self._lock:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 from prometheus_client import start_http_server
 
+from app.errors import InvalidInput
 from app.jobs.pool import WorkerPool
 from app.services.metrics_of_pools import ConnectionMetrics, PoolMetrics
 from app.services.metrics_of_process import process_registry
@@ -18,6 +19,11 @@ def metrics_served(port: int, pool: WorkerPool, database: Database) -> Iterator[
     """Answer scrapes for as long as the block lasts; port 0 is none.
 
     Jobs are not among it: they are in the database, and any server's metrics show them all.
+
+    Raises
+    ------
+    InvalidInput
+        When the port is taken, by another worker of this machine, say.
     """
     if port == 0:
         yield
@@ -25,7 +31,12 @@ def metrics_served(port: int, pool: WorkerPool, database: Database) -> Iterator[
     registry = process_registry()
     registry.register(PoolMetrics({"build": pool}))
     registry.register(ConnectionMetrics(database))
-    server, thread = start_http_server(port, registry=registry)
+    try:
+        server, thread = start_http_server(port, registry=registry)
+    except OSError as error:
+        raise InvalidInput(
+            f"SCATTERMARK_WORKER_METRICS_PORT={port}: {error.strerror}; give each worker of a machine another"
+        ) from error
     try:
         yield
     finally:

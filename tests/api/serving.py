@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
-from dataclasses import dataclass
+from contextlib import asynccontextmanager, contextmanager, nullcontext
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,9 @@ import uvicorn
 from app.api.app import build_api
 from app.api.dependencies import Services
 from app.api.slow_headers import PatientProtocol
+from app.jobs.supervisor import supervised_worker
 from app.main import run_services
-from app.settings import Settings
+from app.settings import PREFIX, Settings
 
 ROOM = Path(__file__).parents[2] / "examples" / "room"
 START_S = 60.0
@@ -70,9 +72,24 @@ class Served:
         return self.client.post("/locate", data={"site_id": site_id, **fields}, files={"image": image})
 
 
+def environment_of(settings: Settings) -> dict[str, str]:
+    """What gives another process the same settings."""
+    return {
+        **os.environ,
+        **{PREFIX + field.name.upper(): str(getattr(settings, field.name)) for field in fields(settings)},
+    }
+
+
 @contextmanager
-def serve(settings: Settings) -> Iterator[Served]:
-    """Run the service in a thread until the block ends."""
+def serve(settings: Settings, worker: bool = True) -> Iterator[Served]:
+    """Run the service in a thread, and a worker beside it if builds are wanted, until the block ends."""
+    supervised = supervised_worker(settings.data_dir, environment_of(settings)) if worker else nullcontext()
+    with supervised, _serve(settings) as served:
+        yield served
+
+
+@contextmanager
+def _serve(settings: Settings) -> Iterator[Served]:
     started: list[Services] = []
 
     @asynccontextmanager

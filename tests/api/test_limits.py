@@ -95,7 +95,7 @@ def test_a_dying_worker_costs_one_request(narrow: Served) -> None:
 
 def test_a_snapshot_that_takes_too_long_is_ended(tmp_path_factory: pytest.TempPathFactory) -> None:
     settings = Settings(data_dir=tmp_path_factory.mktemp("hasty"), locate_workers=1, build_workers=1)
-    with serve(replace(settings, locate_timeout_s=0.02)) as hasty:
+    with serve(replace(settings, locate_timeout_s=0.02), worker=False) as hasty:
         site_id = site_with_map(hasty)
         assert_problem(locate_alone(hasty, site_id), 504, "timed-out")
         assert hasty.client.get("/healthz").status_code == 200

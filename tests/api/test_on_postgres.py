@@ -51,7 +51,7 @@ def test_from_an_empty_database_to_a_pose(
         assert np.linalg.norm(np.array(answer["position_m"]) - TRUTH["position_m"]) < POSITION_LIMIT_M
         refused = assert_problem(served.locate(site_id, WALL), 422, "not-located")
         assert refused["trajectory_id"] == answer["trajectory_id"]
-    with serve(settings) as restarted:
+    with serve(settings, worker=False) as restarted:
         assert restarted.locate(site_id, snapshot, snapshot_id=SNAPSHOT_ID).json() == answer
         assert restarted.client.delete(f"/sites/{site_id}").status_code == 204
         assert_problem(restarted.locate(site_id, snapshot), 404, "not-found")
