@@ -24,6 +24,8 @@ from app.services.rates import Rate
 from app.services.readiness import Dependencies, Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
+from app.services.site_transfer import SiteTransfers, TransferLimits
+from app.services.site_transfer_import import UNPACKED, ImportLimits
 from app.services.storage_budget import StorageBudget, StorageLimits
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
@@ -35,6 +37,7 @@ from app.storage.photo_store import PhotoStore, open_photo_store
 from app.storage.workers import WorkerRepository
 from app.vision.photo import PhotoLimits
 
+LAST_WORK_S = 1.0  # the server has ended: whoever asked for what is still under way has left
 HOUR_S = 3600.0
 DAY_S = 24 * HOUR_S
 
@@ -66,6 +69,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 database=database,
                 intake=PhotoIntake(database, photos, limits, budget),
                 budget=budget,
+                transfers=SiteTransfers(database, photos, budget, transfer_limits(settings)),
                 locator=locator,
                 bell=bell,
                 reports=ReportWriter(locating, settings.report_timeout_s),
@@ -77,8 +81,14 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 sessions=BrowserSessions(database, gatekeeper.ring, settings.session_hours * HOUR_S),
             )
     finally:
-        await asyncio.to_thread(locating.close)
+        await asyncio.to_thread(locating.close, LAST_WORK_S)
         database.close()
+
+
+def transfer_limits(settings: Settings) -> TransferLimits:
+    """What sites that come and go may take."""
+    photo = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
+    return TransferLimits(ImportLimits(photo, settings.data_dir, settings.max_import_bytes * UNPACKED))
 
 
 def _metrics(database: Database, pools: dict[str, WorkerPool]) -> ServiceMetrics:

@@ -46,6 +46,8 @@ class Settings:
         Largest photograph.
     max_upload_bytes : int
         Largest request that carries many photographs.
+    max_import_bytes : int
+        Largest archive of a site.
     max_text_bytes : int
         Largest request of any other kind (JSON, CSV).
     upload_grace_s : float
@@ -90,6 +92,7 @@ class Settings:
     max_photo_bytes: int = 64 * MEBIBYTE
     max_photo_pixels: int = 64_000_000
     max_upload_bytes: int = 1024 * MEBIBYTE
+    max_import_bytes: int = 4096 * MEBIBYTE
     max_text_bytes: int = 8 * MEBIBYTE
     upload_grace_s: float = 20.0
     max_slow_uploads: int = 128

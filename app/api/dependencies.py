@@ -16,6 +16,7 @@ from app.services.metrics import ServiceMetrics
 from app.services.readiness import Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
+from app.services.site_transfer import SiteTransfers
 from app.services.storage_budget import StorageBudget
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
@@ -34,6 +35,7 @@ class Services:
     database: Database
     intake: PhotoIntake
     budget: StorageBudget
+    transfers: SiteTransfers
     locator: Locator
     reports: ReportWriter
     bell: TrajectoryBell

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from PIL import Image
 from sqlalchemy import select, update
 
 from app.storage.archive_schema import current_revision, kept_tables, tables_at
@@ -21,7 +24,18 @@ from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
 from tests.storage.examples import REFUSED, detection, located, photo, publication, snapshot
 
-PHOTOS = {f"IMG_{number}.jpg": f"the bytes of photograph {number}".encode() for number in range(3)}
+CODES = (389, 694, 889)  # of the site's family
+
+
+def jpeg(seed: int) -> bytes:
+    """A photograph of nothing, other for each seed."""
+    pixels = np.random.default_rng(seed).integers(0, 255, (12, 16, 3), dtype=np.uint8)
+    out = io.BytesIO()
+    Image.fromarray(pixels).save(out, "JPEG")
+    return out.getvalue()
+
+
+PHOTOS = {f"IMG_{seed}.jpg": jpeg(seed) for seed in range(3)}
 
 
 @dataclass(frozen=True)
@@ -56,7 +70,7 @@ def fill(database: Database, folder: Path) -> Scene:
         running = {"state": "running", "stage": "detect", "done": 2, "total": 3, "owner": "host-1", "started_s": 1.7e9}
         session.execute(update(JobRow).where(JobRow.id == done).values(**ended))
         session.execute(update(JobRow).where(JobRow.id == under_way).values(**running))
-        TargetMapRepository(session).publish(site.site_id, publication(done, survey_id))
+        TargetMapRepository(session).publish(site.site_id, publication(done, survey_id, CODES))
         TargetMapRepository(session).activate(site.site_id, 1)
         trajectories = TrajectoryRepository(session)
         default = trajectories.default(site.site_id, "phone-1").trajectory_id

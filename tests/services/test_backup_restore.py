@@ -27,8 +27,7 @@ from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
 from tests.databases import Databases
-from tests.services.backup_scene import PHOTOS, Scene, fill, rows_of, sha256_of
-from tests.storage.examples import CODES
+from tests.services.backup_scene import CODES, PHOTOS, Scene, fill, rows_of, sha256_of
 
 JOB_COLUMN_STATE = 5
 
