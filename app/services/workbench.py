@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from threading import Lock
 
 from app.geometry.target_map import TargetMap
 from app.storage.database import Database
@@ -13,7 +14,7 @@ MAPS_HELD = 16  # a map of 400 targets takes about 1 MB
 
 
 class Workbench:
-    """Database, photo store and the target maps used last.
+    """Database, photo store and the target maps used last; for the thread that works and one that reads ahead.
 
     Map versions never change, so one that is held is right for ever; a newly activated version is simply another one.
     """
@@ -22,17 +23,27 @@ class Workbench:
         self.database = database
         self.photos = photos
         self._maps: OrderedDict[tuple[str, int], TargetMap] = OrderedDict()
+        self._lock = Lock()
 
     def target_map(self, site_id: str, version: int) -> TargetMap:
         """A version of a site's map, read from the database when first needed."""
         key = site_id, version
-        if key not in self._maps:
-            with self.database.reading() as session:
-                self._maps[key] = TargetMapRepository(session).load(site_id, version)
-        self._maps.move_to_end(key)
-        while len(self._maps) > MAPS_HELD:
-            self._maps.popitem(last=False)
-        return self._maps[key]
+        with self._lock:
+            if key in self._maps:
+                self._maps.move_to_end(key)
+                return self._maps[key]
+        with self.database.reading() as session:
+            target_map = TargetMapRepository(session).load(site_id, version)
+        with self._lock:
+            self._maps[key] = target_map
+            while len(self._maps) > MAPS_HELD:
+                self._maps.popitem(last=False)
+        return target_map
+
+    def held(self) -> frozenset[tuple[str, int]]:
+        """Sites and versions of the maps that are held."""
+        with self._lock:
+            return frozenset(self._maps)
 
 
 class _Process:

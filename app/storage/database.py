@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 from sqlalchemy import Connection, QueuePool, text
-from sqlalchemy.exc import IntegrityError, OperationalError
+from sqlalchemy.exc import DBAPIError, IntegrityError, OperationalError
 from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from sqlalchemy.orm import Session as Session
 
@@ -16,6 +16,8 @@ from app.errors import Conflict, OutOfSpace
 from app.errors import StorageUnavailable as StorageUnavailable
 from app.storage.audit import signing
 from app.storage.engines import Access, engine_for
+
+Answer = TypeVar("Answer")
 
 RETRY_AFTER_S = 1
 FOREIGN_KEY_VIOLATION = "23503"  # SQLSTATE
@@ -37,6 +39,7 @@ class Database:
         self.writer = engine_for(url, Access.WRITE)
         self.recorder = engine_for(url, Access.RECORD)
         self.reader = engine_for(url, Access.READ)
+        self.looker = engine_for(url, Access.LOOK)
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
@@ -82,6 +85,30 @@ class Database:
             yield session
 
     @contextmanager
+    def recording_rows(self) -> Iterator[Connection]:
+        """``recording`` without a session, whose bookkeeping would take a good part of a row's time."""
+        with _translated(), self.recorder.begin() as connection:
+            yield connection
+
+    def look(self, ask: Callable[[Connection], Answer]) -> Answer:
+        """Ask one question outside of any transaction; once more when the connection turns out to be dead.
+
+        Raises
+        ------
+        StorageUnavailable
+            When the database stays locked or is gone.
+        """
+        with _translated():
+            try:
+                with self.looker.connect() as connection:
+                    return ask(connection)
+            except DBAPIError as error:
+                if not error.connection_invalidated:
+                    raise
+            with self.looker.connect() as connection:
+                return ask(connection)
+
+    @contextmanager
     def migrating(self) -> Iterator[Connection]:
         """A connection for changing tables, committed when the block ends; one process at a time has it.
 
@@ -110,7 +137,12 @@ class Database:
 
     def connections(self) -> dict[str, tuple[int, int]]:
         """Open connections of this process by what their sessions do: how many are in use, how many idle."""
-        engines = {Access.WRITE: self.writer, Access.RECORD: self.recorder, Access.READ: self.reader}
+        engines = {
+            Access.WRITE: self.writer,
+            Access.RECORD: self.recorder,
+            Access.READ: self.reader,
+            Access.LOOK: self.looker,
+        }
         pools = {access: engine.pool for access, engine in engines.items() if isinstance(engine.pool, QueuePool)}
         return {access.value: (pool.checkedout(), pool.checkedin()) for access, pool in pools.items()}
 
@@ -119,6 +151,7 @@ class Database:
         self.writer.dispose()
         self.recorder.dispose()
         self.reader.dispose()
+        self.looker.dispose()
 
 
 @contextmanager

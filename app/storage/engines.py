@@ -12,6 +12,7 @@ from functools import partial
 from typing import Any
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
+from sqlalchemy.engine.interfaces import IsolationLevel
 
 BUSY_TIMEOUT_MS = 10_000  # a writer's turn: transactions here take milliseconds, a publication some tenths of a second
 CONNECT_TIMEOUT_S = 10  # a database that is there answers within one; Postgres's own default is two minutes
@@ -25,7 +26,17 @@ class Access(Enum):
 
     READ = "read"  # see one state of the database, change nothing
     WRITE = "write"  # on disk when committed
+    LOOK = "look"  # one statement at a time, each seeing what is committed when it begins; no transaction around it
     RECORD = "record"  # safe from a process that dies, not from a power cut: many rows a second
+
+
+POSTGRES_ISOLATION: dict[Access, IsolationLevel] = {
+    Access.READ: "REPEATABLE READ",
+    Access.LOOK: "AUTOCOMMIT",
+    Access.WRITE: "READ COMMITTED",
+    Access.RECORD: "READ COMMITTED",
+}
+SQLITE_BEGIN = {Access.READ: "BEGIN", Access.WRITE: "BEGIN IMMEDIATE", Access.RECORD: "BEGIN IMMEDIATE"}
 
 
 def engine_for(address: str, access: Access) -> Engine:
@@ -51,8 +62,8 @@ def engine_for(address: str, access: Access) -> Engine:
 def _postgres_engine(url: URL, access: Access) -> Engine:
     engine = create_engine(
         url.update_query_dict({"connect_timeout": str(CONNECT_TIMEOUT_S), **url.query}),
-        pool_pre_ping=True,
-        isolation_level="REPEATABLE READ" if access is Access.READ else "READ COMMITTED",
+        pool_pre_ping=access is not Access.LOOK,  # it would take as long as the look
+        isolation_level=POSTGRES_ISOLATION[access],
         json_serializer=STRICT_JSON,
     )
 
@@ -68,7 +79,6 @@ def _postgres_engine(url: URL, access: Access) -> Engine:
 def _sqlite_engine(url: URL, access: Access) -> Engine:
     timeout_s = BUSY_TIMEOUT_MS / 1000
     engine = create_engine(url, connect_args={"timeout": timeout_s}, json_serializer=STRICT_JSON)
-    begin = "BEGIN" if access is Access.READ else "BEGIN IMMEDIATE"
 
     @event.listens_for(engine, "connect")
     def prepare(connection: Any, _record: Any) -> None:
@@ -76,11 +86,13 @@ def _sqlite_engine(url: URL, access: Access) -> Engine:
         connection.execute("PRAGMA journal_mode=WAL")
         connection.execute(f"PRAGMA synchronous={'NORMAL' if access is Access.RECORD else 'FULL'}")
         connection.execute("PRAGMA foreign_keys=ON")
-        if access is Access.READ:
+        if access in (Access.READ, Access.LOOK):
             connection.execute("PRAGMA query_only=ON")
 
-    @event.listens_for(engine, "begin")
-    def begin_transaction(connection: Connection) -> None:
-        connection.exec_driver_sql(begin)
+    if access is not Access.LOOK:
+
+        @event.listens_for(engine, "begin")
+        def begin_transaction(connection: Connection) -> None:
+            connection.exec_driver_sql(SQLITE_BEGIN[access])
 
     return engine

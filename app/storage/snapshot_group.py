@@ -80,8 +80,8 @@ def record_snapshots(database: Database, entries: Sequence[Entry]) -> list[Snaps
     """
     if len(entries) > 1:
         try:
-            with database.recording() as session:
-                return list(record_group(session.connection(), entries))
+            with database.recording_rows() as connection:
+                return list(record_group(connection, entries))
         except (StorageUnavailable, OutOfSpace) as error:
             return [error] * len(entries)  # one by one it would be the same, and take as many times as long
         except (SnapshotIdTaken, Conflict, SQLAlchemyError):
@@ -91,8 +91,8 @@ def record_snapshots(database: Database, entries: Sequence[Entry]) -> list[Snaps
 
 def _alone(database: Database, entry: Entry) -> Snapshot | Exception:
     try:
-        with database.recording() as session:
-            return record_one(session.connection(), entry)
+        with database.recording_rows() as connection:
+            return record_one(connection, entry)
     except (ScattermarkError, SQLAlchemyError) as error:
         return error
 

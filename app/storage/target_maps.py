@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection
 from typing import Any
 
 from sqlalchemy import select
@@ -129,6 +130,18 @@ class TargetMapRepository:
                 version=wanted,
             )
         return row
+
+
+def newest_versions(session: Session, site_ids: Collection[str], limit: int) -> list[tuple[str, int]]:
+    """Sites with their active and their newest version: the named ones, then the newest others up to a limit."""
+    named = SiteRow.id.in_(sorted(site_ids))
+    query = select(SiteRow.id, SiteRow.active_version, SiteRow.last_version).where(SiteRow.last_version > 0)
+    rows = [
+        *session.execute(query.where(named).order_by(SiteRow.id)),
+        *session.execute(query.where(~named).order_by(SiteRow.id.desc()).limit(limit)),
+    ]
+    both = {(row.id, version): None for row in rows for version in (row.active_version, row.last_version) if version}
+    return list(both)
 
 
 def _version_of_cursor(key: str) -> int:
