@@ -1,0 +1,30 @@
+"""A service to be ill-treated, and the ledger that it is held against after each test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from app.settings import Settings
+from tests.api.serving import Served, serve
+from tests.faults.ledger import Ledger
+
+
+@pytest.fixture(scope="package")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    settings = Settings(data_dir=tmp_path_factory.mktemp("faults"), locate_workers=1, build_workers=1)
+    with serve(settings) as running:
+        yield running
+
+
+@pytest.fixture(scope="package")
+def shared_ledger(served: Served) -> Ledger:
+    return Ledger(served)
+
+
+@pytest.fixture
+def ledger(shared_ledger: Ledger) -> Iterator[Ledger]:
+    """After the test nothing may be lost."""
+    yield shared_ledger
+    shared_ledger.check()
