@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from app.settings import Settings
+from tests.api.guarding import Guarded, serve_guarded
 from tests.api.serving import Served, room_control_points, room_photos, serve
 
 
@@ -26,6 +27,13 @@ class SurveyedRoom:
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     settings = Settings(data_dir=tmp_path_factory.mktemp("served"), locate_workers=2, build_workers=2)
     with serve(settings) as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Guarded]:
+    """A service that asks for keys."""
+    with serve_guarded(tmp_path_factory.mktemp("guarded")) as running:
         yield running
 
 
