@@ -16,7 +16,7 @@ from app.jobs.pool import WorkerPool
 from app.services.access_upkeep import AccessUpkeep
 from app.services.gatekeeper import AccessRules, Gatekeeper
 from app.services.keys import ensure_bootstrap_key
-from app.services.locate import LocateLimits, Locator
+from app.services.locate import Afterwards, LocateLimits, Locator
 from app.services.metrics import ServiceMetrics
 from app.services.metrics_of_pools import ConnectionMetrics, PoolMetrics
 from app.services.metrics_of_stored import StoredMetrics
@@ -26,6 +26,8 @@ from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
 from app.services.site_transfer import SiteTransfers, TransferLimits
 from app.services.site_transfer_import import UNPACKED, ImportLimits
+from app.services.snapshot_keeper import SnapshotKeeper
+from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget, StorageLimits
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
@@ -58,7 +60,9 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     budget = StorageBudget(database, photos, StorageLimits(settings.quota_bytes, settings.min_free_bytes))
     bell = TrajectoryBell()
     metrics = _metrics(database, {"locate": locating})
-    locator = Locator(database, locating, LocateLimits(limits, settings.locate_timeout_s), bell, metrics)
+    keeper = SnapshotKeeper(database, photos, budget)
+    locate_limits = LocateLimits(limits, settings.locate_timeout_s)
+    locator = Locator(database, locating, locate_limits, Afterwards(bell, keeper), metrics)
     gatekeeper = Gatekeeper(database, access_rules(settings))
     upkeep = AccessUpkeep(database, gatekeeper.ring, settings.audit_days * DAY_S)
     try:
@@ -69,6 +73,8 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 database=database,
                 intake=PhotoIntake(database, photos, limits, budget),
                 budget=budget,
+                keeper=keeper,
+                eraser=SnapshotEraser(database, photos),
                 transfers=SiteTransfers(database, photos, budget, transfer_limits(settings)),
                 locator=locator,
                 bell=bell,

@@ -20,7 +20,21 @@ from app.api.observed import Observed
 from app.api.origins import TrustedPagesOnly, cors_rules, trusted_pages
 from app.api.problems import Problem, add_handlers, describe_slow_bodies
 from app.api.request_id import RequestIds
-from app.api.routes import audit, jobs, keys, locate, maps, operations, session, sites, surveys, trajectories, transfer
+from app.api.routes import (
+    audit,
+    jobs,
+    keys,
+    locate,
+    maps,
+    operations,
+    session,
+    sites,
+    snapshots,
+    storage,
+    surveys,
+    trajectories,
+    transfer,
+)
 from app.api.security_headers import SecurityHeaders
 from app.api.slow_bodies import Patience, SlowBodies
 from app.api.streams import StreamsEndWithServer
@@ -71,7 +85,8 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     snapshot_bytes = settings.max_photo_bytes + FORM_OVERHEAD_BYTES
     app.include_router(transfer.import_router, max_body_size=settings.max_import_bytes)
-    for routes in (sites, transfer, surveys, jobs, maps, trajectories, operations, keys, session, audit):
+    texts = (sites, transfer, surveys, jobs, maps, trajectories, snapshots, operations, storage, keys, session, audit)
+    for routes in texts:
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)
     app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)
     app.include_router(locate.router, max_body_size=snapshot_bytes)

@@ -17,6 +17,8 @@ from app.services.readiness import Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
 from app.services.site_transfer import SiteTransfers
+from app.services.snapshot_keeper import SnapshotKeeper
+from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
@@ -35,6 +37,8 @@ class Services:
     database: Database
     intake: PhotoIntake
     budget: StorageBudget
+    keeper: SnapshotKeeper
+    eraser: SnapshotEraser
     transfers: SiteTransfers
     locator: Locator
     reports: ReportWriter

@@ -10,7 +10,21 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
-from app.cli import backup, build, demo, detect, keys, locate, migrate, restore, serve, worker
+from app.cli import (
+    backup,
+    build,
+    demo,
+    detect,
+    export,
+    import_,
+    keys,
+    locate,
+    migrate,
+    purge,
+    restore,
+    serve,
+    worker,
+)
 from app.errors import ScattermarkError
 
 COMMANDS = {
@@ -22,8 +36,11 @@ COMMANDS = {
     "locate": locate,
     "keys": keys,
     "migrate": migrate,
+    "purge": purge,
     "backup": backup,
     "restore": restore,
+    "export": export,
+    "import": import_,
 }
 
 FAILED = 1

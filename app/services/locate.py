@@ -16,6 +16,7 @@ from app.services.locate_work import LocateTask, locate_photo
 from app.services.metrics import ServiceMetrics
 from app.services.ports import CpuPool
 from app.services.pose_recorder import PoseRecorder
+from app.services.snapshot_keeper import SnapshotKeeper
 from app.services.trajectory_bell import TrajectoryBell
 from app.storage.database import Database
 from app.storage.snapshot_group import Entry
@@ -33,18 +34,26 @@ class LocateLimits:
     timeout_s: float
 
 
+@dataclass(frozen=True)
+class Afterwards:
+    """Who learns of a recorded snapshot: those who watch its trajectory, and who keeps pictures."""
+
+    bell: TrajectoryBell
+    keeper: SnapshotKeeper
+
+
 class Locator:
     """Locates snapshots: rows by threads, pixels by the pool, nothing on the event loop."""
 
     def __init__(
-        self, database: Database, pool: CpuPool, limits: LocateLimits, bell: TrajectoryBell, metrics: ServiceMetrics
+        self, database: Database, pool: CpuPool, limits: LocateLimits, afterwards: Afterwards, metrics: ServiceMetrics
     ) -> None:
         self._preparation = Preparation(database)
         self._threads = ThreadPoolExecutor(PREPARING_THREADS, "locate-prepare")
         self._recorder = PoseRecorder(database, lambda: pool.figures.waiting > 0)
         self._pool = pool
         self._limits = limits
-        self._bell = bell
+        self._afterwards = afterwards
         self._metrics = metrics
 
     @asynccontextmanager
@@ -83,7 +92,8 @@ class Locator:
         entry = Entry(NewSnapshot(heading, outcome.outcome, outcome.seen), request.trajectory_id)
         with self._metrics.recording(outcome.seen.timing_ms):
             snapshot = await self._recorder.record(entry)
-        self._bell.ring(snapshot.trajectory_id)
+        self._afterwards.bell.ring(snapshot.trajectory_id)
+        await self._afterwards.keeper.keep(prepared.keep, snapshot, request.photo)
         return snapshot
 
 

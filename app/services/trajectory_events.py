@@ -24,7 +24,7 @@ class Arrivals:
 
     trajectory: StoredTrajectory
     part: TrajectoryPart
-    ordinal: int  # of the last that came
+    ordinal: int  # up to which all that came are told
 
     @property
     def empty(self) -> bool:
@@ -89,7 +89,8 @@ def _look(database: Database, trajectory_id: str, after: int) -> Arrivals:
     with database.reading() as session:
         trajectory = TrajectoryRepository(session).get(trajectory_id)
         part = TrajectoryQueries(session).arrivals(trajectory_id, after, SNAPSHOTS_AT_A_TIME)
-    return Arrivals(trajectory, part, after + len(part.labels) + len(part.failures))
+    # Not counted from what came: some may have been removed.
+    return Arrivals(trajectory, part, min(after + SNAPSHOTS_AT_A_TIME, trajectory.snapshot_count))
 
 
 async def _wait(rung: asyncio.Event) -> None:

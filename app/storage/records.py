@@ -44,6 +44,10 @@ class Keep(Enum):
     FAILURES = "failures"
     ALL = "all"
 
+    def wants(self, *, located: bool) -> bool:
+        """Whether the picture of a snapshot is kept, which was located or was not."""
+        return self is Keep.ALL or (self is Keep.FAILURES and not located)
+
 
 @dataclass(frozen=True)
 class KeepingPolicy:
@@ -65,10 +69,6 @@ class KeepingPolicy:
                 f"not for {self.retention_s}",
                 field="snapshot_retention_s",
             )
-
-    def wants(self, *, located: bool) -> bool:
-        """Whether the picture of a snapshot is kept, which was located or was not."""
-        return self.keep is Keep.ALL or (self.keep is Keep.FAILURES and not located)
 
 
 @dataclass(frozen=True)

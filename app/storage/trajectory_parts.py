@@ -19,7 +19,9 @@ class StoredTrajectory:
     Attributes
     ----------
     snapshot_count : int
-        Poses and failures; also the ordinal of the latest snapshot.
+        Poses and failures that came; also the ordinal of the latest.
+    removed_count : int
+        Those among them that were removed.
     failures : tuple of (str, int)
         How many by reason.
     first_s, last_s : float or None
@@ -34,6 +36,7 @@ class StoredTrajectory:
     created_s: float
     closed_s: float | None
     snapshot_count: int
+    removed_count: int
     failures: tuple[tuple[str, int], ...]
     first_s: float | None
     last_s: float | None
@@ -46,7 +49,7 @@ class StoredTrajectory:
     @property
     def pose_count(self) -> int:
         """Snapshots with a pose."""
-        return self.snapshot_count - self.failure_count
+        return self.snapshot_count - self.removed_count - self.failure_count
 
 
 @dataclass(frozen=True)

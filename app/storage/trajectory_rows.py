@@ -48,6 +48,7 @@ def stored_trajectory(row: Any) -> StoredTrajectory:
         created_s=row.created_s,
         closed_s=row.closed_s,
         snapshot_count=row.snapshot_count,
+        removed_count=row.removed_count,
         failures=tuple(sorted(row.failures.items())),
         first_s=row.first_s,
         last_s=row.last_s,

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from app.errors import Conflict, InvalidInput, NotFound
-from app.services.sites import SiteChange, change_site, create_site, delete_site
+from app.services.sites import NewSite, SiteChange, change_site, create_site, delete_site
 from app.storage.database import Database
 from app.storage.jobs import JobRepository
 from app.storage.records import GeoAnchor
@@ -14,9 +14,9 @@ ANCHOR = GeoAnchor(48.15, 11.57)
 
 def test_a_site_takes_a_family_that_exists(database: Database) -> None:
     with database.writing() as session:
-        assert create_site(session, "room", "golay", 0.014, ANCHOR).geo_anchor == ANCHOR
+        assert create_site(session, NewSite("room", "golay", 0.014, ANCHOR)).geo_anchor == ANCHOR
         with pytest.raises(InvalidInput, match="colay"):
-            create_site(session, "room", "colay", 0.014, None)
+            create_site(session, NewSite("room", "colay", 0.014))
 
 
 def test_only_what_is_named_changes(database: Database) -> None:

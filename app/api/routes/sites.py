@@ -28,8 +28,7 @@ router = APIRouter(tags=["sites"])
 @router.post("/sites", status_code=201, dependencies=[needs("survey")], responses=problems(400, 413, 422))
 def create_site(body: NewSiteBody, session: WriteSession) -> SiteAnswer:
     """Make a site: a place whose targets share one frame, one code family and one size."""
-    anchor = None if body.geo_anchor is None else body.geo_anchor.to_domain()
-    return SiteAnswer.of(sites.create_site(session, body.name, body.code_family, body.plate_u_m, anchor))
+    return SiteAnswer.of(sites.create_site(session, body.to_domain()))
 
 
 @router.get("/sites", responses=problems(422))
@@ -46,7 +45,7 @@ def get_site(site_id: PathId, session: ReadSession) -> SiteAnswer:
 
 @router.patch("/sites/{site_id}", dependencies=[needs("survey")], responses=problems(400, 404, 413, 422))
 def change_site(site_id: PathId, body: SiteChangeBody, session: WriteSession) -> SiteAnswer:
-    """Rename a site, tie it to the Earth, or untie it with ``geo_anchor: null``."""
+    """Rename a site, tie it to the Earth or untie it (``geo_anchor: null``), say which snapshots' pictures are kept."""
     return SiteAnswer.of(sites.change_site(session, site_id, body.to_domain()))
 
 

@@ -7,13 +7,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field, model_validator
 
-from app.api.schemas.common import Body, Finite, Listing, numbers_of, time_of
+from app.api.schemas.common import Body, Finite, Listing, Truth, numbers_of, time_of
 from app.api.schemas.texts import NAME, Text
 from app.geometry.control import ControlPoint
 from app.services.control_points import ControlLimits
-from app.services.sites import SiteChange
+from app.services.sites import NewSite, SiteChange
 from app.storage.paging import Page
-from app.storage.records import GeoAnchor, Site
+from app.storage.records import GeoAnchor, Keep, KeepingPolicy, Site
 from app.targets.digits import CODE_COUNT
 from app.targets.family import FAMILY_NAMES
 from app.targets.layout import DEFAULT_U_M
@@ -37,6 +37,19 @@ class GeoAnchorBody(Body):
         return GeoAnchor(self.latitude_deg, self.longitude_deg, self.height_m, self.azimuth_deg)
 
 
+KEEPS: dict[bool | str, Keep] = {False: Keep.NONE, True: Keep.ALL, "failures": Keep.FAILURES}
+KEPT: dict[Keep, bool | Literal["failures"]] = {Keep.NONE: False, Keep.ALL: True, Keep.FAILURES: "failures"}
+LONGEST_RETENTION_S = 1e9  # thirty years; null is for ever
+KeepSnapshots = Annotated[
+    Truth | Literal["failures"],
+    Field(description="Whether the pictures of snapshots are kept: none, all, or those that were not located."),
+]
+Retention = Annotated[
+    Finite,
+    Field(gt=0, le=LONGEST_RETENTION_S, description="Kept pictures are removed so long after they came; null: never."),
+]
+
+
 class NewSiteBody(Body):
     """A site to be made."""
 
@@ -46,6 +59,14 @@ class NewSiteBody(Body):
         Finite, Field(ge=0.001, le=1.0, description="Module of the printed plates: a plate's side is 13 of it.")
     ] = DEFAULT_U_M
     geo_anchor: GeoAnchorBody | None = None
+    keep_snapshots: KeepSnapshots = False
+    snapshot_retention_s: Retention | None = None
+
+    def to_domain(self) -> NewSite:
+        """The site as services know it."""
+        anchor = None if self.geo_anchor is None else self.geo_anchor.to_domain()
+        keeping = KeepingPolicy(KEEPS[self.keep_snapshots], self.snapshot_retention_s)
+        return NewSite(self.name, self.code_family, self.plate_u_m, anchor, keeping)
 
 
 class SiteChangeBody(Body):
@@ -55,16 +76,24 @@ class SiteChangeBody(Body):
 
     name: Text | None = None
     geo_anchor: GeoAnchorBody | None = None
+    keep_snapshots: KeepSnapshots | None = None
+    snapshot_retention_s: Retention | None = None
 
     def to_domain(self) -> SiteChange:
-        """The change as services know it; ``geo_anchor: null`` removes the anchor."""
-        anchor = None if self.geo_anchor is None else self.geo_anchor.to_domain()
-        return SiteChange(self.name, "geo_anchor" in self.model_fields_set, anchor)
+        """The change as services know it; ``geo_anchor: null`` removes the anchor, and so it is with the retention."""
+        return SiteChange(
+            name=self.name,
+            set_anchor="geo_anchor" in self.model_fields_set,
+            geo_anchor=None if self.geo_anchor is None else self.geo_anchor.to_domain(),
+            keep=None if self.keep_snapshots is None else KEEPS[self.keep_snapshots],
+            set_retention="snapshot_retention_s" in self.model_fields_set,
+            retention_s=self.snapshot_retention_s,
+        )
 
     @model_validator(mode="after")
     def _changes_something(self) -> SiteChangeBody:
         if not self.model_fields_set:
-            raise ValueError("names nothing to change: give name or geo_anchor")
+            raise ValueError("names nothing to change: give name, geo_anchor, keep_snapshots or snapshot_retention_s")
         return self
 
 
@@ -86,6 +115,8 @@ class SiteAnswer(BaseModel):
     plate_u_m: float
     geo_anchor: GeoAnchorAnswer | None
     map_version: int | None = Field(description="The version that snapshots are located in; null before the first.")
+    keep_snapshots: bool | Literal["failures"]
+    snapshot_retention_s: float | None
     created_at: str
 
     @classmethod
@@ -98,6 +129,8 @@ class SiteAnswer(BaseModel):
             plate_u_m=site.plate_u_m,
             geo_anchor=None if site.geo_anchor is None else GeoAnchorAnswer(**vars(site.geo_anchor)),
             map_version=site.active_version,
+            keep_snapshots=KEPT[site.keeping.keep],
+            snapshot_retention_s=site.keeping.retention_s,
             created_at=time_of(site.created_s),
         )
 
