@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -34,27 +35,44 @@ VERSION_TABLE = "alembic_version"
 TRANSIENT = frozenset({"browser_sessions", "workers"})
 
 
-@cache
 def tables_at(revision: str) -> MetaData:
     """The tables that a database of a revision has, with types that both kinds of database understand.
 
     The models describe the newest tables only, and a database may hold tables that are not ours. So the migrations
-    themselves are asked: they run on a file that nobody keeps.
+    themselves are asked: they run once, on a file that nobody keeps.
     """
+    return _made(revision).tables
+
+
+def empty_file(revision: str) -> bytes:
+    """The file of an SQLite database of a revision, without rows."""
+    return _made(revision).file
+
+
+@dataclass(frozen=True)
+class _Made:
+    file: bytes
+    tables: MetaData
+
+
+@cache
+def _made(revision: str) -> _Made:
+    reflected = MetaData()
     with tempfile.TemporaryDirectory(prefix="scattermark-") as folder:
-        database = Database(f"sqlite:///{Path(folder) / 'schema.db'}")
+        path = Path(folder) / "schema.db"
+        database = Database(f"sqlite:///{path}")
         try:
             upgrade(database, revision)
-            reflected = MetaData()
             with database.reading() as session:
                 reflected.reflect(session.connection(), resolve_fks=False)
         finally:
             database.close()
+        file = path.read_bytes()
     tables = MetaData()
     for table in reflected.tables.values():
         if table.name != VERSION_TABLE:
             Table(table.name, tables, *(_plain_column(column) for column in table.columns))
-    return tables
+    return _Made(file, tables)
 
 
 def kept_tables(tables: MetaData) -> tuple[Table, ...]:

@@ -16,7 +16,7 @@ from sqlalchemy import Float, LargeBinary, String, Table
 from app.storage.archive_format import SHA256, BadArchive, Progress
 from app.storage.archive_reader import ArchiveReader
 from app.storage.archive_rows import RowForm
-from app.storage.archive_schema import tables_at
+from app.storage.archive_schema import empty_file, known_revisions, tables_at
 from app.storage.archive_site import site_tables
 from app.storage.backup_rows import Counter, batched_lines, check_members, check_references, insert_rows
 from app.storage.blobs import STORED
@@ -45,7 +45,9 @@ def scratch_database(reader: ArchiveReader, folder: Path, report: Progress) -> I
         When the rows do not fit their tables or each other.
     """
     with tempfile.TemporaryDirectory(dir=folder, prefix="import-") as scratch:
-        database = Database(f"sqlite:///{Path(scratch) / 'site.db'}")
+        path = Path(scratch) / "site.db"
+        path.write_bytes(empty_file(reader.manifest.heading.revision))
+        database = Database(f"sqlite:///{path}")
         try:
             _fill(database, reader, report)
             yield database
@@ -59,14 +61,14 @@ def _fill(database: Database, reader: ArchiveReader, report: Progress) -> None:
     check_members(reader, tables)
     counter = Counter(report, reader.manifest.rows)
     with database.migrating() as connection:
-        upgrade_on(connection, revision)
         for table in tables:
             form = RowForm(table)
             for lines in batched_lines(reader, table.name):
                 insert_rows(connection, table, [_fitting(table, form.values(line)) for line in lines])
                 counter.add(len(lines))
         check_references(connection)
-        upgrade_on(connection)
+        if revision != known_revisions()[0]:
+            upgrade_on(connection)
 
 
 def _fitting(table: Table, values: dict[str, Any]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import numpy as np
 from PIL import Image
 from sqlalchemy import select, update
 
+from app.geometry.control import ControlPoint
 from app.storage.archive_schema import current_revision, kept_tables, tables_at
 from app.storage.database import Database
 from app.storage.jobs import JobRepository
@@ -72,6 +73,8 @@ def fill(database: Database, folder: Path) -> Scene:
         session.execute(update(JobRow).where(JobRow.id == under_way).values(**running))
         TargetMapRepository(session).publish(site.site_id, publication(done, survey_id, CODES))
         TargetMapRepository(session).activate(site.site_id, 1)
+        points = [ControlPoint(f"P{dot}", CODES[0], dot, np.array([1.0, 2.0, 3.0]), 0.001, "control") for dot in "ABC"]
+        SiteRepository(session).replace_control_points(site.site_id, points)
         trajectories = TrajectoryRepository(session)
         default = trajectories.default(site.site_id, "phone-1").trajectory_id
         for outcome in (located(), REFUSED, located()):
