@@ -5,15 +5,17 @@ The framework would answer outside of all middlewares: without the request's id 
 
 from __future__ import annotations
 
+import asyncio
 import logging
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.api.problems import fault_problem, problem_response
+from app.api.problems import fault_problem, problem_response, stopped_problem
 
 log = logging.getLogger(__name__)
 
 INTERNAL_ERROR = 1011  # RFC 6455, 7.4.1
+RETRY_AFTER_S = 5  # a server starts in about so many seconds
 
 
 class FaultsAsProblems:
@@ -36,6 +38,10 @@ class FaultsAsProblems:
 
         try:
             await self._app(scope, receive, watched)
+        except asyncio.CancelledError:  # the server stops and waits no longer
+            if scope["type"] == "http" and not started:
+                await problem_response(stopped_problem(), {"Retry-After": str(RETRY_AFTER_S)})(scope, receive, send)
+            raise
         except Exception:
             log.exception("unexpected error")
             if started:

@@ -134,6 +134,12 @@ def fault_problem() -> dict[str, Any]:
     return problem_of("fault", Kind(500, "Internal error"), detail, {})
 
 
+def stopped_problem() -> dict[str, Any]:
+    """A problem for a request that the server could not finish before it had to stop."""
+    detail = "the server stopped before this was done; send the request again"
+    return problem_of("stopped", Kind(503, "Server stopped"), detail, {})
+
+
 def problem_response(problem: dict[str, Any], headers: dict[str, str] | None = None) -> JSONResponse:
     """The answer that carries a problem and the id of the request that met it."""
     request_id = present_request_id()

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import os
 import socket
+from collections.abc import Callable
 from types import FrameType
 
 import uvicorn
@@ -30,6 +31,11 @@ class GracefulServer(uvicorn.Server):
         Of the application: what readiness and streams watch.
     drain_s : float
         How long it says that it leaves and still takes requests.
+
+    Attributes
+    ----------
+    beside : list of callable
+        Stops of what runs beside the server: begun with its own, so that all together keep within the time.
     """
 
     def __init__(self, config: uvicorn.Config, draining: Draining, drain_s: float) -> None:
@@ -37,6 +43,7 @@ class GracefulServer(uvicorn.Server):
         super().__init__(config)
         self._draining = draining
         self._drain_s = drain_s
+        self.beside: list[Callable[[], None]] = []
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002 - uvicorn's signature
         """The first signal asks for a stop, the second does not wait for it."""
@@ -51,5 +58,6 @@ class GracefulServer(uvicorn.Server):
         self._draining.announce()
         await asyncio.sleep(self._drain_s)
         self._draining.close()
-        await super().shutdown(sockets)
+        stops = [asyncio.to_thread(stop) for stop in self.beside]
+        await asyncio.gather(super().shutdown(sockets), *stops)
         log.info("stopped")

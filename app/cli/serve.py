@@ -16,6 +16,7 @@ from app.errors import InvalidInput, ScattermarkError
 if TYPE_CHECKING:
     import uvicorn
 
+    from app.cli.graceful_server import GracefulServer
     from app.settings import Settings
 
 GREATEST_PORT = 65535
@@ -51,8 +52,11 @@ def run(arguments: argparse.Namespace) -> int:
         if settings.embedded:
             migrate(settings)  # the service would do it too, and could not say in one line what is wrong
         door = open_door(settings, arguments, host)
-        with nullcontext() if arguments.no_worker else supervised_worker(settings.data_dir):
-            _run(_server(settings, door), listener)
+        server = _server(settings, door)
+        with nullcontext() if arguments.no_worker else supervised_worker(settings.data_dir) as supervisor:
+            if supervisor is not None:
+                server.beside.append(supervisor.stop)
+            _run(server, listener)
     return 0
 
 
@@ -99,7 +103,7 @@ def _url(listener: socket.socket, scheme: str) -> str:
     return f"{scheme}://[{host}]:{port}" if ":" in host else f"{scheme}://{host}:{port}"
 
 
-def _server(settings: Settings, door: Door) -> uvicorn.Server:
+def _server(settings: Settings, door: Door) -> GracefulServer:
     import uvicorn
 
     from app.api.slow_headers import PatientProtocol

@@ -66,6 +66,32 @@ def test_a_fault_is_a_problem_that_leads_to_the_log(caplog: pytest.LogCaptureFix
     assert "the secret of the fault" in caplog.text
 
 
+def test_who_is_cut_off_by_the_servers_end_is_told_to_come_again() -> None:
+    async def cut_off() -> list[Message]:
+        sent: list[Message] = []
+        waiting = asyncio.Event()
+
+        async def endless(_scope: Scope, _receive: Receive, _send: Send) -> None:
+            waiting.set()
+            await asyncio.Event().wait()
+
+        async def send(message: Message) -> None:
+            sent.append(message)
+
+        scope = {"type": "http", "path": "/", "method": "GET", "headers": []}
+        task = asyncio.ensure_future(FaultsAsProblems(endless)(scope, None, send))  # type: ignore[arg-type]
+        await waiting.wait()
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        return sent
+
+    start, body = asyncio.run(cut_off())
+    assert start["status"] == 503
+    assert (b"retry-after", b"5") in start["headers"]
+    assert b"send the request again" in body["body"]
+
+
 def test_half_an_answer_never_looks_like_a_whole_one() -> None:
     with pytest.raises(ZeroDivisionError):  # the server breaks the connection
         asyncio.run(ask("/half"))

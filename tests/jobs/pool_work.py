@@ -10,6 +10,7 @@ import cv2
 from threadpoolctl import threadpool_info
 
 from app.errors import NotLocated
+from app.logs import LogOptions, log_context, present_options
 
 MARKS: list[str] = []
 
@@ -78,3 +79,8 @@ def thread_counts() -> tuple[int, list[int]]:
 
 def fail_to_start() -> None:
     raise RuntimeError("no licence for this worker")
+
+
+def logs_with() -> tuple[dict[str, object], LogOptions | None]:
+    """What this worker's log lines would bear, and how it logs."""
+    return log_context(), present_options()
