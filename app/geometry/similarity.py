@@ -46,8 +46,8 @@ class Similarity:
         return Similarity(1.0 / self.scale, self.rotation.T, -source_from_target @ self.translation_m)
 
 
-def estimate_similarity(source_m: Points, target_m: Points) -> Similarity:
-    """Least-squares similarity of paired points.
+def estimate_similarity(source_m: Points, target_m: Points, *, scale_is_free: bool = True) -> Similarity:
+    """Least-squares similarity of paired points; with ``scale_is_free=False`` the rigid motion, of scale 1.
 
     Parameters
     ----------
@@ -71,5 +71,6 @@ def estimate_similarity(source_m: Points, target_m: Points) -> Similarity:
         raise DegenerateGeometry("control points lie on one line; add a control point off that line")
     handedness = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(vt))])  # eq. 39
     rotation = u * handedness @ vt  # eq. 40
-    scale = float(singular @ handedness / (source_centred**2).sum(axis=1).mean())  # eq. 42
+    free_scale = float(singular @ handedness / (source_centred**2).sum(axis=1).mean())  # eq. 42
+    scale = free_scale if scale_is_free else 1.0
     return Similarity(scale, rotation, target_mean_m - scale * rotation @ source_mean_m)  # eq. 41

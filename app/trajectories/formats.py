@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from app.errors import InvalidInput
 from app.trajectories.trajectory import Array, Trajectory
 
 TUM_LINE = "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n"
@@ -74,8 +75,14 @@ def iso_times(times_s: Array) -> npt.NDArray[np.str_]:
 
 
 def _pose_rows(part: Trajectory) -> list[list[float]]:
-    rows: list[list[float]] = np.column_stack([part.times_s, part.positions_m, part.orientations_xyzw]).tolist()
+    rows: list[list[float]] = np.column_stack([part.times_s, part.positions_m, _orientations(part)]).tolist()
     return rows
+
+
+def _orientations(part: Trajectory) -> Array:
+    if part.orientations_xyzw is None:
+        raise InvalidInput("the trajectory has positions only, and this format needs orientations; ask for csv")
+    return part.orientations_xyzw
 
 
 def _sigma_texts(part: Trajectory) -> Iterator[str]:
@@ -91,7 +98,7 @@ def _features(part: Trajectory, geodetic: Array) -> Iterator[dict[str, Any]]:
     properties: dict[str, list[Any]] = {
         "time": iso_times(part.times_s).tolist(),
         "position_m": np.round(part.positions_m, METRES_DIGITS).tolist(),
-        "orientation_xyzw": part.orientations_xyzw.tolist(),
+        "orientation_xyzw": _orientations(part).tolist(),
     }
     if part.sigmas is not None:
         properties["position_sigma_m"] = part.sigmas[:, :3].tolist()

@@ -131,6 +131,7 @@ class TrajectoryPageAnswer(TrajectoryAnswer, Listing):
 def pose_answers(part: TrajectoryPart) -> Iterator[PoseAnswer]:
     """The poses of a part."""
     poses = part.poses
+    assert poses.orientations_xyzw is not None, "kept poses have an orientation"
     assert poses.covariances is not None and poses.sigmas is not None, "kept poses have a covariance"
     columns = zip(
         part.labels,

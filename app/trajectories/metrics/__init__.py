@@ -1,0 +1,1 @@
+"""Numbers that say how far a system's positions are from the reference."""
