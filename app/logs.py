@@ -35,9 +35,10 @@ WITH_OWN_HANDLER = ("dbos",)
 TALKATIVE = ("asgi_correlation_id",)
 NOT_FOR_LINES = ("color_message",)  # uvicorn's second copy of its message, with colours
 MASK = "***"
-# What must not be read in a log, wherever it comes from: bearer keys, passwords in URLs, query strings.
+# What must not be read in a log, wherever it comes from: keys and sessions, passwords in URLs, query strings.
 SECRETS = (
     (re.compile(r"(?i)\b(bearer\s+)[^\s\"']+"), rf"\g<1>{MASK}"),
+    (re.compile(r"\b(sm[ks]_)[\w-]+"), rf"\g<1>{MASK}"),
     (re.compile(r"(://[^/\s:@]*:)[^/\s@]+@"), rf"\g<1>{MASK}@"),
     (re.compile(r"(?i)\b((?:api_?key|key|token|password|secret)=)[^\s&\"']+"), rf"\g<1>{MASK}"),
 )

@@ -102,6 +102,7 @@ def test_ids_of_the_request_and_the_job_are_in_every_line(written: io.StringIO) 
     ("text", "secret"),
     [
         ("GET /jobs with Authorization: Bearer smk_0123456789", "smk_0123456789"),
+        ("the key smk_0123456789-_ab was refused", "0123456789-_ab"),
         ("cannot reach postgresql+psycopg://scattermark:hunter2@database:5432/x", "hunter2"),
         ("GET /locate?site_id=a&key=0123456789", "0123456789"),
     ],

@@ -8,6 +8,7 @@ from typing import Any
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.api.admission import PRINCIPAL
 from app.api.http_metrics import OTHER, HttpMetrics
 from app.api.streams import is_event_stream
 
@@ -91,8 +92,8 @@ def _log(scope: Scope, route: str, answer: _Answer, duration_s: float) -> None:
         "bytes": answer.sent_bytes,
         **{name: str(value)[:ID_CHARACTERS] for name, value in _ids(scope).items()},
     }
-    principal = scope.get("state", {}).get("principal")
-    log.log(level, "request", extra=facts if principal is None else {**facts, "key_id": principal.key_id})
+    key_id = getattr(scope.get("state", {}).get(PRINCIPAL), "key_id", None)
+    log.log(level, "request", extra=facts if key_id is None else {**facts, "key_id": key_id})
 
 
 def _ids(scope: Scope) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from fastapi import Depends, Security
 from fastapi.security import SecurityScopes
 from starlette.requests import HTTPConnection
 
-from app.api.admission import admitted, gatekeeper_of, principal_of_state
+from app.api.admission import PRINCIPAL, admitted, gatekeeper_of, principal_of_state
 from app.api.credentials import CookieOfSession, KeyInHeader, address_of
 from app.api.request_id import present_request_id
 from app.errors import NotAllowed, NotFound
@@ -53,6 +53,7 @@ async def principal_of(
         When the address names something of a site that is none of the key's.
     """
     principal = principal_of_state(connection) or await admitted(connection)
+    setattr(connection.state, PRINCIPAL, principal)  # the log names the key
     try:
         _check_scopes(principal, wanted.scopes)
         await _check_sites(connection, principal)
@@ -60,7 +61,7 @@ async def principal_of(
         await _note_refusal(connection, principal)
         raise refusal
     if _is_audited(connection):
-        expect_change(_actor(connection, principal), _action(connection), _subject(connection))
+        expect_change(_actor(connection, principal), _action(connection), await _subject(connection))
     return principal
 
 
@@ -87,7 +88,7 @@ async def visitor(connection: HTTPConnection) -> None:
     TooManyRequests
     """
     gatekeeper_of(connection).count_visit(address_of(connection))
-    expect_change(_actor(connection, ANYONE), _action(connection), _subject(connection))
+    expect_change(_actor(connection, ANYONE), _action(connection), await _subject(connection))
 
 
 def needs(*any_of: Scope) -> Any:
@@ -140,7 +141,7 @@ def _is_audited(connection: HTTPConnection) -> bool:
 
 async def _note_refusal(connection: HTTPConnection, principal: Principal) -> None:
     if _is_audited(connection):
-        told = (_actor(connection, principal), _action(connection), _subject(connection))
+        told = (_actor(connection, principal), _action(connection), await _subject(connection))
         await asyncio.to_thread(note_refusal, connection.state.services.database, *told)
 
 
@@ -152,5 +153,10 @@ def _action(connection: HTTPConnection) -> str:
     return f"{connection.scope['method']} {connection.scope['route'].path}"
 
 
-def _subject(connection: HTTPConnection) -> dict[str, str]:
-    return {name: str(value) for name, value in connection.path_params.items()}
+async def _subject(connection: HTTPConnection) -> dict[str, str]:
+    """What the address names, and the site that it belongs to."""
+    named = {name: str(value) for name, value in connection.path_params.items()}
+    for id_name in OWNED.keys() & named.keys():
+        site_id = await gatekeeper_of(connection).site_of(id_name, named[id_name])
+        named |= {} if site_id is None else {"site_id": site_id}
+    return named
