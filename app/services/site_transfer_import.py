@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import hashlib
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import IO
 
-from app.errors import ScattermarkError
 from app.services.site_transfer_checks import check_site
+from app.services.site_transfer_photos import ArrivingPhotos
 from app.services.storage_budget import StorageBudget
 from app.storage.archive_format import BadArchive, Manifest, Progress
 from app.storage.archive_reader import ArchiveReader
 from app.storage.archive_schema import known_revisions
 from app.storage.archive_site_copy import Ids, copy_site
-from app.storage.archive_site_photos import (
-    SeenPhoto,
-    describe_photo,
-    leave_out_photo,
-    named_photos,
-    settle_detections,
-)
+from app.storage.archive_site_photos import settle_detections
 from app.storage.archive_site_scratch import scratch_database
 from app.storage.database import Database
 from app.storage.photo_store import PhotoStore
-from app.vision.photo import PhotoLimits, read_header
-from app.vision.privacy.without_position import without_position
+from app.vision.photo import PhotoLimits
 
 UNPACKED = 4  # bytes for each one that is sent: rows of numbers take a third to a fifth of their length when packed
 
@@ -101,15 +92,22 @@ def import_site(file: IO[bytes], target: SiteTarget, report: Progress) -> Import
         target.budget.admit(reader.manifest.photographs.size_bytes)
         reader.verify(report)
         with scratch_database(reader, target.limits.scratch, report) as scratch:
-            left_out = _take_photos(reader, scratch, target, if_it_fails, report)
-            with scratch.recording() as session:
-                settle_detections(session)
-            with scratch.reading() as looking:
-                check_site(looking)
-                with target.database.writing() as session:
-                    site_id = copy_site(looking.connection(), session, Ids(new=target.as_new), report)
+            photos = ArrivingPhotos(reader, target.database, target.photos, target.limits.photo)
+            if_it_fails.callback(photos.remove)
+            left_out = photos.keep(scratch, report)
+            site_id = _take_rows(scratch, target, report)
         if_it_fails.pop_all()
+        photos.keep_what_was_removed()
     return ImportedSite(site_id, reader.manifest.rows, len(reader.photos), left_out)
+
+
+def _take_rows(scratch: Database, target: SiteTarget, report: Progress) -> str:
+    with scratch.recording() as session:
+        settle_detections(session)
+    with scratch.reading() as looking:
+        check_site(looking)
+        with target.database.writing() as session:
+            return copy_site(looking.connection(), session, Ids(new=target.as_new), report)
 
 
 def _refuse_foreign(manifest: Manifest) -> None:
@@ -120,37 +118,3 @@ def _refuse_foreign(manifest: Manifest) -> None:
             f"the site was exported by Scattermark {manifest.heading.app_version!r:.40} with tables that this release "
             "does not know: import it with that release or a later one"
         )
-
-
-def _take_photos(
-    reader: ArchiveReader, scratch: Database, target: SiteTarget, if_it_fails: ExitStack, report: Progress
-) -> tuple[str, ...]:
-    """Keep the photographs, each as it would be kept had it been uploaded; the names of those that did not come."""
-    with scratch.recording() as session:
-        names: dict[str, list[str]] = {}
-        for name, sha256 in named_photos(session):
-            names.setdefault(sha256, []).append(name)
-        if not names.keys() >= set(reader.photos):
-            raise BadArchive("the archive holds photographs that belong to no survey")
-        for done, sha256 in enumerate(reader.photos):
-            report("photographs", done, len(reader.photos))
-            data = reader.photo(sha256)
-            describe_photo(session, sha256, _keep(names[sha256][0], data, target, if_it_fails))
-        report("photographs", len(reader.photos), len(reader.photos))
-        absent = names.keys() - set(reader.photos)
-        for sha256 in absent:
-            leave_out_photo(session, sha256)
-        return tuple(sorted(name for sha256 in absent for name in names[sha256]))
-
-
-def _keep(name: str, data: bytes, target: SiteTarget, if_it_fails: ExitStack) -> SeenPhoto:
-    try:
-        header = read_header(data, target.limits.photo)
-    except ScattermarkError as error:
-        raise BadArchive(f"photograph {name!r:.100} of the archive cannot be taken: {error.detail}") from error
-    kept = without_position(data)
-    sha256 = hashlib.sha256(kept).hexdigest()
-    if not target.photos.holds(sha256):
-        if_it_fails.callback(partial(target.photos.delete, sha256))
-        target.photos.put(sha256, kept)
-    return SeenPhoto(sha256, len(kept), header.identity, header.captured_at)

@@ -38,7 +38,7 @@ from app.storage.trajectories import TrajectoryRepository
 from app.vision.photo import PhotoLimits
 from tests.databases import Databases
 from tests.services.backup_scene import CODES, PHOTOS, Scene, fill, jpeg, rows_of, sha256_of
-from tests.storage.examples import detection, located, snapshot
+from tests.storage.examples import detection, located, photo, snapshot
 
 NOT_MOVED = ("jobs", "api_keys", "audit", "kept_snapshots")
 Change = Callable[[str, list[list[Any]]], list[list[Any]]]
@@ -412,3 +412,26 @@ def test_a_whole_installation_is_no_site(scene: Scene, here: SiteTarget, tmp_pat
     back_up(scene.database, scene.photos, tmp_path / "b.zip", quiet)
     with pytest.raises(BadArchive, match="scattermark restore"):
         imported((tmp_path / "b.zip").read_bytes(), here)
+
+
+def test_a_photograph_that_is_in_use_outlives_an_import_that_fails(archive: bytes, here: SiteTarget) -> None:
+    """Another site's upload may have the same bytes."""
+    used = sha256_of(PHOTOS["IMG_0.jpg"])
+    with here.database.writing() as session:
+        site_id = SiteRepository(session).add("another", "golay", 0.01, None).site_id
+        survey_id = SurveyRepository(session).add(site_id, "", None).survey_id
+        SurveyRepository(session).add_photo(survey_id, photo("mine.jpg", used))
+    with pytest.raises(BadArchive):
+        imported(setting(archive, "snapshots", "seen", {}), here)
+    assert [item.name for item in here.photos.photos()] == [used]
+
+
+def test_a_photograph_that_a_purge_takes_meanwhile_is_put_back(archive: bytes, here: SiteTarget) -> None:
+    taken = sha256_of(PHOTOS["IMG_0.jpg"])
+
+    def purge(stage: str, done: int, total: int) -> None:
+        if (stage, done) == ("tables", total):
+            here.photos.delete(taken)
+
+    import_site(io.BytesIO(archive), here, purge)
+    assert here.photos.read(taken) == PHOTOS["IMG_0.jpg"]
