@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException
 from app import errors
 from app.api.allowed_methods import allowed_methods
 from app.api.request_id import present_request_id
+from app.storage.objects import FULL
 
 log = logging.getLogger(__name__)
 
@@ -23,6 +24,11 @@ MEDIA_TYPE = "application/problem+json"
 MEMBERS = ("type", "title", "status", "detail")
 ERRORS_SHOWN = 5
 METHOD_NOT_ALLOWED = 405
+# The framework writes a form's files aside, and calls a full disk a request that cannot be read.
+FULL_SPOOL = (
+    "the server's disk for forms on their way in (TMPDIR) is full; make room on it, or send photographs one by one as "
+    "raw bodies (PUT), which take less"
+)
 SLOW_BODY = (408, 503)
 CHALLENGE = 'Bearer realm="scattermark"'  # RFC 6750, section 3
 
@@ -179,6 +185,8 @@ async def _on_validation_error(_request: Request, error: Exception) -> JSONRespo
 
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
+    if isinstance(error.__cause__, OSError) and error.__cause__.errno in FULL:
+        return known_problem_response(errors.OutOfSpace(FULL_SPOOL))
     problem = http_problem(error.status_code, request.url.path, request.method, error.detail)
     headers = dict(error.headers or {})
     if error.status_code == METHOD_NOT_ALLOWED:
