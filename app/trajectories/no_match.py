@@ -42,7 +42,10 @@ def nothing_matched(reference_s: Array, estimate_s: Array, time_offset_s: float,
 def _advice(ranges: dict[str, float]) -> str:
     reference_s, estimate_s = ranges["reference_from_s"], ranges["estimate_from_s"]
     for unit, factor in UNITS.items():
-        for name, larger_s, smaller_s in (("estimate", estimate_s, reference_s), ("reference", reference_s, estimate_s)):
+        for name, larger_s, smaller_s in (
+            ("estimate", estimate_s, reference_s),
+            ("reference", reference_s, estimate_s),
+        ):
             if smaller_s > COUNTS_SINCE_1970_S and factor / SAME_UNIT < larger_s / smaller_s < factor * SAME_UNIT:
                 return f"the stamps of the {name} look like {unit}: import it again with that unit of time"
     if (reference_s > COUNTS_SINCE_1970_S) != (estimate_s > COUNTS_SINCE_1970_S):
