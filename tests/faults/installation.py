@@ -1,4 +1,4 @@
-"""A whole installation in processes of its own, so that any of them can be killed: `scattermark serve` and what it starts."""
+"""A whole installation in processes of its own, any of which can be killed: `scattermark serve` and what it starts."""
 
 from __future__ import annotations
 
