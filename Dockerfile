@@ -2,9 +2,10 @@
 # holds nothing but Python and that environment.
 #
 #   docker build -t scattermark .
-#   docker run --rm -p 127.0.0.1:8000:8000 -v scattermark:/data scattermark serve --host 0.0.0.0 --insecure
+#   docker run --rm -p 127.0.0.1:8000:8000 -v scattermark:/data \
+#     -e SCATTERMARK_BOOTSTRAP_KEY="$(openssl rand -hex 32)" scattermark
 #
-# docker-compose.yml runs it with Postgres behind a proxy that speaks TLS.
+# docker-compose.yml runs it with Postgres, builds apart, behind a proxy that speaks TLS.
 
 FROM python:3.13-slim AS build
 
@@ -43,6 +44,9 @@ EXPOSE 8000
 HEALTHCHECK --interval=10s --timeout=5s --start-period=60s --retries=3 \
     CMD ["python", "-c", "from urllib.request import urlopen; urlopen('http://127.0.0.1:8000/healthz', timeout=4)"]
 
+# What is under way is finished; the service takes ten seconds at most.
+STOPSIGNAL SIGTERM
+
 ENTRYPOINT ["scattermark"]
-# There are no keys yet: without --insecure the service refuses to be reached from outside, here as anywhere.
+# Whoever can reach it needs a key: it starts once there is one, or SCATTERMARK_BOOTSTRAP_KEY to make it of.
 CMD ["serve", "--host", "0.0.0.0", "--port", "8000"]

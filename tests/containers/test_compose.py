@@ -18,7 +18,10 @@ from tests.containers.dockerfile import read_stages
 
 CHECKOUT = Path(__file__).parents[2]
 COMPOSE = CHECKOUT / "docker-compose.yml"
-OURS = {"migrate", "api"}
+OBJECT_STORE = CHECKOUT / "deploy" / "object-store.yml"
+OURS = {"migrate", "api", "worker"}
+STOP_S = 10.0  # what a server or a worker takes at most
+STORED = {"api", "worker"}  # who reads and writes photographs
 VARIABLE = re.compile(r"\$\{(?P<name>\w+)(?P<rest>[^}]*)\}")
 
 
@@ -46,11 +49,18 @@ def example() -> dict[str, str]:
     return dict(line.split("=", 1) for line in lines if line and not line.startswith("#"))
 
 
+def of_object_store() -> list[str]:
+    """Variables of an environment that the object store asks for."""
+    return [match["name"] for match in VARIABLE.finditer(OBJECT_STORE.read_text())]
+
+
 @pytest.mark.skipif(not compose_works(), reason="there is no docker compose; the other tests read the file themselves")
 def test_docker_compose_takes_it(tmp_path: Path) -> None:
     filled = tmp_path / "env"
-    filled.write_text((CHECKOUT / ".env.example").read_text() + "\nPOSTGRES_PASSWORD=abc\n")
-    command = ["docker", "compose", "--file", str(COMPOSE), "--env-file", str(filled), "config", "--quiet"]
+    needed = [f"{name}=abc" for name in ("POSTGRES_PASSWORD", "SCATTERMARK_BOOTSTRAP_KEY", *of_object_store())]
+    filled.write_text("\n".join([(CHECKOUT / ".env.example").read_text(), *needed, ""]))
+    files = ["--file", str(COMPOSE), "--file", str(OBJECT_STORE)]
+    command = ["docker", "compose", *files, "--env-file", str(filled), "config", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
@@ -74,7 +84,8 @@ def test_each_waits_for_what_it_needs(services: dict[str, dict[str, Any]]) -> No
             else:
                 assert how["condition"] == "service_healthy"
                 assert "test" in other.get("healthcheck", {}) or ("build" in other and image_is_checked)
-    assert set(services["api"]["depends_on"]) == {"database", "migrate"}
+    for name in ("api", "worker"):
+        assert set(services[name]["depends_on"]) == {"database", "migrate"}
     assert set(services["migrate"]["depends_on"]) == {"database"}
     assert set(services["proxy"]["depends_on"]) == {"api"}
 
@@ -104,13 +115,51 @@ def test_nobody_is_reached_but_through_the_proxy(compose: dict[str, Any]) -> Non
     assert compose["networks"]["inside"]["internal"] is True
     for port in services["proxy"]["ports"]:
         assert port.startswith("${SCATTERMARK_PUBLISH:-127.0.0.1}:")
-    assert "reverse_proxy api:8000" in (CHECKOUT / "deploy" / "Caddyfile").read_text()
+    caddyfile = (CHECKOUT / "deploy" / "Caddyfile").read_text()
+    assert re.search(r"dynamic a \{\s+name api\s+port 8000\s", caddyfile)
+    assert re.search(r"@inside path /metrics\s+respond @inside 404", caddyfile)
+
+
+def test_who_can_be_reached_asks_for_keys(services: dict[str, dict[str, Any]]) -> None:
+    assert not {"--insecure", "--lan"} & set(services["api"]["command"])
+    assert services["api"]["environment"]["SCATTERMARK_BOOTSTRAP_KEY"].startswith("${SCATTERMARK_BOOTSTRAP_KEY:?")
+    assert "SCATTERMARK_INSECURE" not in services["api"]["environment"]
+
+
+def test_servers_and_workers_may_be_many(services: dict[str, dict[str, Any]]) -> None:
+    assert "--no-worker" in services["api"]["command"]
+    for name in ("api", "worker"):
+        assert not {"container_name", "ports"} & set(services[name])
+        assert re.fullmatch(r"\$\{SCATTERMARK_\w+_MEMORY:-\d+g\}", services[name]["mem_limit"])
+
+
+def test_nobody_is_killed_at_work(services: dict[str, dict[str, Any]]) -> None:
+    for name in ("api", "worker"):
+        drain_s = float(services[name]["environment"].get("SCATTERMARK_DRAIN_S", 0.0))
+        assert float(services[name]["stop_grace_period"].removesuffix("s")) > drain_s + STOP_S
+
+
+def test_a_worker_is_healthy_while_it_tells_its_figures(services: dict[str, dict[str, Any]]) -> None:
+    worker = services["worker"]
+    port = worker["environment"]["SCATTERMARK_WORKER_METRICS_PORT"]
+    assert f"http://127.0.0.1:{port}/metrics" in worker["healthcheck"]["test"][-1]
+
+
+def test_an_object_store_is_a_file_more(compose: dict[str, Any]) -> None:
+    more = yaml.safe_load(OBJECT_STORE.read_text())
+    assert set(more["services"]) == STORED
+    for name, service in more["services"].items():
+        assert set(service["networks"]) == {*compose["services"][name]["networks"], *more["networks"]}
+        assert set(service["environment"]) == set(of_object_store())
+        assert all(value.startswith("${") and ":?" in value for value in service["environment"].values())
+    assert f"{PREFIX}PHOTOGRAPHS_URL" in of_object_store()
 
 
 def test_variables_are_explained_and_secrets_are_asked_for(example: dict[str, str]) -> None:
     used = {match["name"]: match["rest"] for match in VARIABLE.finditer(COMPOSE.read_text())}
-    assert set(used) == set(example)
-    assert used["POSTGRES_PASSWORD"].startswith(":?") and example["POSTGRES_PASSWORD"] == ""
+    assert {*used, *of_object_store()} == set(example)
+    for secret in ("POSTGRES_PASSWORD", "SCATTERMARK_BOOTSTRAP_KEY"):
+        assert used[secret].startswith(":?") and example[secret] == ""
     for name, rest in used.items():
         assert rest.startswith(":?") or rest == f":-{example[name]}", f"{name} has two defaults"
     ignored = (CHECKOUT / ".gitignore").read_text().splitlines()
