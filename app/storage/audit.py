@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 from sqlalchemy import delete, event, select
 from sqlalchemy.orm import Session, UOWTransaction
@@ -109,21 +109,29 @@ def identify(key_id: str, name: str) -> None:
 
 @contextmanager
 def signing(session: Session) -> Iterator[None]:
-    """Add the row that waits, if any, to what a session has done when the block ends."""
-    pending = _pending.get()
-    if pending is None or pending.written:
-        yield
-        return
+    """Add the row that waits, if any, to what a session has done when the block ends.
+
+    Who acts is asked then: a request's session may be opened before its key is looked at.
+    """
     made: dict[str, str] = {}
 
     def collect(flushed: Session, _context: UOWTransaction) -> None:
-        made.update({IDS[type(row)]: row.id for row in flushed.new if type(row) in IDS})
+        for row in flushed.new:
+            if type(row) in IDS:
+                made.update(_ids_of(row))
 
     event.listen(session, "after_flush", collect)
     yield
-    session.flush()
-    AuditRepository(session).add(pending.with_made(made))
-    pending.written = True
+    pending = _pending.get()
+    if pending is not None and not pending.written:
+        session.flush()
+        AuditRepository(session).add(pending.with_made(made))
+        pending.written = True
+
+
+def _ids_of(row: Any) -> dict[str, str]:
+    of_site = getattr(row, "site_id", None)
+    return {**({} if of_site is None else {"site_id": of_site}), IDS[type(row)]: row.id}
 
 
 class AuditRepository:

@@ -9,8 +9,10 @@ from typing import Any
 import httpx
 import pytest
 
+from app.api.security import NAMES_SITE
 from app.services.principal import SCOPES
 from app.storage.models import SnapshotRow
+from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
 from tests.api.guarding import Guarded
@@ -39,7 +41,7 @@ class Call:
 
     @property
     def names_site(self) -> bool:
-        return any(f"{{{name}}}" in self.path for name in ("site_id", "survey_id", "job_id", "trajectory_id"))
+        return any(f"{{{name}}}" in self.path for name in NAMES_SITE)
 
 
 @dataclass(frozen=True)
@@ -82,11 +84,14 @@ def furnished(guarded: Guarded) -> Furnished:
         maps = TargetMapRepository(session)
         maps.activate(site_id, maps.publish(site_id, examples.publication(site_id, survey_id)))
         trajectory = TrajectoryRepository(session).default(site_id, "phone")
+        snapshot = examples.snapshot(SiteRepository(session).get(site_id), examples.located())
+        pose = TrajectoryRepository(session).record(trajectory.trajectory_id, snapshot)
     ids = {
         "site_id": site_id,
         "survey_id": survey_id,
         "job_id": job.json()["job_id"],
         "trajectory_id": trajectory.trajectory_id,
+        "pose_id": pose.pose_id,
         "key_id": guarded.new_key("locate")["key_id"],
         "version": 1,
         "filename": "new.jpg",
@@ -203,7 +208,7 @@ def test_a_snapshot_of_a_locate_key_is_located_or_refused_for_what_it_shows(
         answer = client.post("/locate", data={"site_id": site_id}, files={"image": snapshot})
     assert_problem(answer, 422, "not-located")
     with guarded.services.database.reading() as session:
-        assert session.query(SnapshotRow).filter_by(site_id=site_id).count() == 1
+        assert session.query(SnapshotRow).filter_by(site_id=site_id, device_id=None).count() == 1
 
 
 def test_documents_and_health_are_for_everybody(anonymous: httpx.Client) -> None:
