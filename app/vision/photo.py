@@ -19,6 +19,7 @@ from PIL import ExifTags, Image
 
 from app.errors import BadPhoto, PhotoTooLarge, UnsupportedPhoto
 from app.geometry.camera import CameraIdentity
+from app.vision.png_chunks import check_chunks
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -158,6 +159,8 @@ def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
         As ``read_header``.
     """
     header = read_header(data, limits)
+    if header.format == "PNG":
+        check_chunks(data)
     try:
         bgr = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), DECODE_FLAGS)
     except cv2.error as error:
