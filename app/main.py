@@ -59,7 +59,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     locating = WorkerPool(settings.locate_workers, settings.queue_depth, start_locating, bench)
     budget = StorageBudget(database, photos, StorageLimits(settings.quota_bytes, settings.min_free_bytes))
     bell = TrajectoryBell()
-    metrics = _metrics(database, {"locate": locating})
+    metrics = _metrics(database, photos, {"locate": locating})
     keeper = SnapshotKeeper(database, photos, budget)
     locate_limits = LocateLimits(limits, settings.locate_timeout_s)
     locator = Locator(database, locating, locate_limits, Afterwards(bell, keeper), metrics)
@@ -97,9 +97,9 @@ def transfer_limits(settings: Settings) -> TransferLimits:
     return TransferLimits(ImportLimits(photo, settings.data_dir, settings.max_import_bytes * UNPACKED))
 
 
-def _metrics(database: Database, pools: dict[str, WorkerPool]) -> ServiceMetrics:
+def _metrics(database: Database, photos: PhotoStore, pools: dict[str, WorkerPool]) -> ServiceMetrics:
     metrics = ServiceMetrics()
-    for collector in (PoolMetrics(pools), ConnectionMetrics(database), StoredMetrics(database)):
+    for collector in (PoolMetrics(pools), ConnectionMetrics(database), StoredMetrics(database, photos)):
         metrics.include(collector)
     return metrics
 

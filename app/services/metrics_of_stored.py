@@ -1,4 +1,4 @@
-"""Jobs and photographs, counted in the database when they are asked for: one scrape of any server shows them all."""
+"""Jobs, workers and photographs, counted in the database when asked for: a scrape of any server shows them all."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from app.errors import ScattermarkError
 from app.services.bounded import Bounded
 from app.storage.database import Database
 from app.storage.figures import StoredFigures, stored_figures
+from app.storage.photo_store import PhotoStore
 
 log = logging.getLogger(__name__)
 
@@ -22,24 +23,26 @@ PATIENCE_S = 3.0  # counting takes milliseconds; Prometheus itself gives up afte
 class StoredMetrics(Collector):
     """Figures of the database; without an answer of it, the news that there is none."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, database: Database, photos: PhotoStore) -> None:
         self._database = database
+        self._photos = photos
         self._figures = Bounded(self._count, PATIENCE_S)
 
     def collect(self) -> Iterator[Metric]:
         """All figures, or ``scattermark_database_up 0`` alone."""
         try:
-            figures = self._figures.ask()
+            figures, free_bytes = self._figures.ask()
         except (ScattermarkError, TimeoutError) as error:
             log.warning("the database cannot be counted for metrics: %s", error or "no answer")
             yield _gauge("scattermark_database_up", "Whether the database answered this scrape.", 0)
             return
         yield _gauge("scattermark_database_up", "Whether the database answered this scrape.", 1)
         yield from _families(figures)
+        yield _gauge("scattermark_disk_free_bytes", "Room on the disk that takes uploads.", free_bytes)
 
-    def _count(self) -> StoredFigures:
+    def _count(self) -> tuple[StoredFigures, int]:
         with self._database.reading() as session:
-            return stored_figures(session)
+            return stored_figures(session), self._photos.free_bytes()
 
 
 def _families(figures: StoredFigures) -> Iterator[Metric]:
@@ -49,8 +52,10 @@ def _families(figures: StoredFigures) -> Iterator[Metric]:
     yield jobs
     waited_s = 0.0 if figures.oldest_queued_s is None else max(0.0, time.time() - figures.oldest_queued_s)
     yield _gauge("scattermark_jobs_oldest_queued_age_seconds", "Age of the job that waits longest.", waited_s)
+    yield _gauge("scattermark_workers_alive", "Workers whose heartbeat is fresh, wherever.", figures.live_workers)
     yield _gauge("scattermark_photographs", "Photographs of surveys, equal ones counted once.", figures.photographs)
-    yield _gauge("scattermark_photograph_bytes", "Size of these photographs.", figures.photograph_bytes)
+    yield _gauge("scattermark_kept_snapshots", "Snapshots whose picture was kept.", figures.kept_snapshots)
+    yield _gauge("scattermark_stored_bytes", "What all these pictures take.", figures.stored_bytes)
 
 
 def _gauge(name: str, text: str, value: float) -> GaugeMetricFamily:

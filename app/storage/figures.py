@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sqlalchemy import func, select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from app.storage.models import JobRow, PhotographRow
+from app.storage.models import JobRow, KeptSnapshotRow, PhotographRow
+from app.storage.photo_references import used_bytes
+from app.storage.workers import WorkerRepository
 
 
 @dataclass(frozen=True)
@@ -20,26 +22,32 @@ class StoredFigures:
     jobs : mapping of (kind, state) to int
     oldest_queued_s : float or None
         When the job that waits longest was asked for, UTC seconds.
-    photographs, photograph_bytes : int
-        Photographs that surveys hold, the same bytes counted once.
+    live_workers : int
+    photographs, kept_snapshots, stored_bytes : int
+        Photographs of surveys and snapshots that were kept, and what they take together; equal ones count once.
     """
 
     jobs: Mapping[tuple[str, str], int]
     oldest_queued_s: float | None
+    live_workers: int
     photographs: int
-    photograph_bytes: int
+    kept_snapshots: int
+    stored_bytes: int
 
 
 def stored_figures(session: Session) -> StoredFigures:
     """Count what the database holds."""
     by_state = select(JobRow.kind, JobRow.state, func.count()).group_by(JobRow.kind, JobRow.state)
     oldest = select(func.min(JobRow.created_s)).where(JobRow.state == "queued")
-    photos = select(PhotographRow.sha256, func.max(PhotographRow.size_bytes).label("bytes"))
-    distinct = photos.group_by(PhotographRow.sha256).subquery()
-    count, size_bytes = session.execute(select(func.count(), func.sum(distinct.c.bytes)).select_from(distinct)).one()
     return StoredFigures(
         jobs={(kind, state): number for kind, state, number in session.execute(by_state)},
         oldest_queued_s=session.scalar(oldest),
-        photographs=count,
-        photograph_bytes=int(size_bytes or 0),
+        live_workers=len(WorkerRepository(session).live_workers()),
+        photographs=_distinct(session, PhotographRow.sha256),
+        kept_snapshots=_distinct(session, KeptSnapshotRow.sha256),
+        stored_bytes=used_bytes(session),
     )
+
+
+def _distinct(session: Session, column: InstrumentedAttribute[str]) -> int:
+    return session.scalar(select(func.count(column.distinct()))) or 0

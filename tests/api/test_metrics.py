@@ -96,4 +96,5 @@ def test_pools_connections_jobs_and_photographs_are_shown(served: Served, room: 
     assert shown.value("scattermark_jobs_oldest_queued_age_seconds") == 0
     stored = served.client.get(f"/surveys/{room.survey_id}/images").json()["images"]
     assert shown.value("scattermark_photographs") >= len(stored) > 0
-    assert shown.value("scattermark_photograph_bytes") >= sum(image["bytes"] for image in stored)
+    assert shown.value("scattermark_disk_free_bytes") > 0
+    assert shown.value("scattermark_stored_bytes") >= sum(image["bytes"] for image in stored)
