@@ -21,7 +21,7 @@ PATIENCE_S = 3.0
 SERVING = "serving"
 
 Status = Literal["ready", "degraded", "not ready"]
-Check = Callable[[], str]
+Check = Callable[[], str | None]  # says what is wrong, or raises
 
 
 @dataclass(frozen=True)
@@ -77,9 +77,9 @@ class Readiness:
     def __init__(self, on: Dependencies) -> None:
         self._needed = _bounded(
             {
-                "database": partial(_outcome, on.database.ping),
-                "migrations": partial(_outcome, partial(check_tables, on.database)),
-                "photographs": partial(_outcome, on.photos.check),
+                "database": on.database.ping,
+                "migrations": partial(check_tables, on.database),
+                "photographs": on.photos.check,
                 "locate_workers": partial(_locating, on.locating),
             }
         )
@@ -100,7 +100,7 @@ class Readiness:
 
 
 def _bounded(checks: Mapping[str, Check]) -> dict[str, Bounded[str]]:
-    return {name: Bounded(check, PATIENCE_S) for name, check in checks.items()}
+    return {name: Bounded(partial(_outcome, check), PATIENCE_S) for name, check in checks.items()}
 
 
 async def _answers(checks: Mapping[str, Bounded[str]]) -> dict[str, str]:
@@ -118,27 +118,23 @@ def _failed(checks: Mapping[str, str]) -> bool:
     return any(outcome != OK for outcome in checks.values())
 
 
-def _outcome(check: Callable[[], None]) -> str:
+def _outcome(check: Check) -> str:
+    """What a check says is wrong, or raises; ``ok`` when that is nothing."""
     try:
-        check()
+        return check() or OK
     except ScattermarkError as error:
         return error.detail
-    return OK
 
 
-def _locating(pool: CpuPool) -> str:
-    return OK if pool.pids else "no worker process is alive: restart the server"
+def _locating(pool: CpuPool) -> str | None:
+    return None if pool.pids else "no worker process is alive: restart the server"
 
 
-def _disk(on: Dependencies) -> str:
+def _disk(on: Dependencies) -> str | None:
     if on.photos.free_bytes() >= on.min_free_bytes:
-        return OK
+        return None
     return "less room on the disk than SCATTERMARK_MIN_FREE_BYTES: uploads are refused; `scattermark purge` makes some"
 
 
-def _builds(on: Dependencies) -> str:
-    try:
-        alive = on.live_workers()
-    except ScattermarkError as error:
-        return error.detail
-    return OK if alive else "no worker is alive: builds wait until one is; start `scattermark worker`"
+def _builds(on: Dependencies) -> str | None:
+    return None if on.live_workers() else "no worker is alive: builds wait until one is; start `scattermark worker`"
