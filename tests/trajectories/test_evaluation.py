@@ -7,10 +7,10 @@ import pytest
 
 from app.trajectories.alignment import AlignmentOptions
 from app.trajectories.association import AssociationOptions
-from app.trajectories.comparison import compare
+from app.trajectories.comparison import Difference, compare
 from app.trajectories.evaluation import EvaluationOptions, evaluate
 from app.trajectories.lever_arm import with_lever_arm
-from app.trajectories.metrics.bootstrap import BootstrapOptions
+from app.trajectories.metrics.bootstrap import BootstrapOptions, Interval
 from app.trajectories.metrics.zones import Zone
 from app.trajectories.trajectory import Trajectory
 from tests.trajectories.walks import START_S, noisy, walk, walk_at
@@ -69,8 +69,15 @@ def test_systems_are_compared_at_common_moments() -> None:
     differences = {(item.first, item.second): item for item in compare(evaluations, 0.01, FEW)}
     assert set(differences) == {("good", "bad"), ("good", "twin"), ("bad", "twin")}
     assert differences["good", "bad"].better == "good" and differences["bad", "twin"].better == "twin"
-    assert differences["good", "twin"].better is None
+    same = differences["good", "twin"].mean_m
+    assert same is not None and abs(same.value) < 1e-15
     assert differences["good", "bad"].common == len(evaluations["good"].pairs)
+
+
+def test_an_interval_around_zero_names_no_better_one() -> None:
+    assert Difference("a", "b", 9, Interval(0.1, -0.1, 0.3, 1)).better is None
+    assert Difference("a", "b", 9, Interval(0.1, 0.05, 0.3, 1)).better == "b"
+    assert Difference("a", "b", 9, Interval(-0.1, -0.2, -0.05, 1)).better == "a"
 
 
 def test_systems_that_never_spoke_together_have_no_difference() -> None:
