@@ -15,6 +15,7 @@ from app.cli import (
     build,
     demo,
     detect,
+    doctor,
     export,
     import_,
     keys,
@@ -41,6 +42,7 @@ COMMANDS = {
     "restore": restore,
     "export": export,
     "import": import_,
+    "doctor": doctor,
 }
 
 FAILED = 1

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
+from functools import partial
 from itertools import pairwise
 from typing import Any, get_args
 
@@ -22,8 +23,8 @@ from app.storage.archive_site_photos import named_photos
 from app.storage.archive_site_totals import check_totals, snapshots_of
 from app.storage.cameras import CameraRepository
 from app.storage.database import Session
-from app.storage.paging import Page, PageRequest
-from app.storage.records import GeoAnchor, MapVersion, Site, StoredCamera
+from app.storage.paging import every
+from app.storage.records import GeoAnchor, Site, StoredCamera
 from app.storage.sites import SiteRepository
 from app.storage.snapshots import Located, NotFoundPose, Seen
 from app.storage.target_maps import TargetMapRepository
@@ -31,7 +32,6 @@ from app.targets.family import CodeFamily, family_by_name
 
 Array = npt.NDArray[np.float64]
 
-PAGE = 500
 PLATE_U_M = (0.001, 1.0)  # as for a site that is made here
 SYMMETRY = 1e-9  # of the greatest member of a covariance, which rounding may leave
 ANY_JSON = TypeAdapter(dict[str, Any])
@@ -57,7 +57,7 @@ def check_site(session: Session) -> Site:
     with _told("target maps"):
         _check_maps(session, site, family)
     with _told("cameras"):
-        for camera in _cameras(session, site.site_id):
+        for camera in every(partial(CameraRepository(session).page, site.site_id, None)):
             _check_camera(camera)
     with _told("snapshots"):
         for snapshot in snapshots_of(session):
@@ -77,7 +77,7 @@ def _checked_site(site: Site) -> CodeFamily:
 
 def _check_maps(session: Session, site: Site, family: CodeFamily) -> None:
     maps = TargetMapRepository(session)
-    versions = list(_versions(session, site.site_id))
+    versions = list(every(partial(maps.versions, site.site_id)))
     numbers = [version.version for version in versions]
     _require(all(earlier < later for earlier, later in pairwise([0, *numbers])), "their versions")
     _require(site.active_version in (None, *numbers), "the active version")
@@ -127,26 +127,6 @@ def _check_covariance(covariance: Array) -> None:
 def _check_codes(codes: Iterable[int], family: CodeFamily) -> None:
     for code in codes:
         _require(family.contains(code), f"code {code}, which is none of family {family.name}")
-
-
-def _versions(session: Session, site_id: str) -> Iterator[MapVersion]:
-    cursor: str | None = None
-    while True:
-        page: Page[MapVersion] = TargetMapRepository(session).versions(site_id, PageRequest(PAGE, cursor))
-        yield from page.items
-        cursor = page.next_cursor
-        if cursor is None:
-            return
-
-
-def _cameras(session: Session, site_id: str) -> Iterator[StoredCamera]:
-    cursor: str | None = None
-    while True:
-        page: Page[StoredCamera] = CameraRepository(session).page(site_id, None, PageRequest(PAGE, cursor))
-        yield from page.items
-        cursor = page.next_cursor
-        if cursor is None:
-            return
 
 
 def _strictly(adapter: TypeAdapter[Any], value: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -11,6 +12,7 @@ from app.errors import InvalidInput
 
 Item = TypeVar("Item")
 
+GREATEST_PAGE = 1000
 BAD_CURSOR = "no page gave this cursor; start again without one"
 
 
@@ -59,3 +61,14 @@ def page_of(items: list[tuple[str, Item]], limit: int) -> Page[Item]:
     more = len(items) > limit
     kept = items[:limit]
     return Page(tuple(item for _, item in kept), cursor_of(kept[-1][0]) if more else None)
+
+
+def every(page: Callable[[PageRequest], Page[Item]]) -> Iterator[Item]:
+    """All items of a list, page by page."""
+    cursor: str | None = None
+    while True:
+        found = page(PageRequest(GREATEST_PAGE, cursor))
+        yield from found.items
+        cursor = found.next_cursor
+        if cursor is None:
+            return
