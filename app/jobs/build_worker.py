@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
@@ -18,10 +19,12 @@ from app.jobs.slot import Slot, held_slot
 from app.jobs.worker_metrics import metrics_served
 from app.jobs.workflows import Crew, sign_on, the_crew
 from app.services.build_map import BuildLimits, MapBuilder
+from app.services.housekeeping import housekeep
 from app.services.workers import start_worker
 from app.settings import Settings
 from app.storage.database import Database
 from app.storage.migrate import check_tables
+from app.storage.photo_store import open_photo_store
 from app.storage.workers import WorkerRepository
 from app.vision.photo import PhotoLimits
 
@@ -65,9 +68,17 @@ def run_worker(settings: Settings, stop: threading.Event, ready: Callable[[str],
         with metrics_served(settings.worker_metrics_port, pool, database), _signed_up(database, slot) as worker_id:
             sign_on(Crew(database, _builder(settings, database, pool), worker_id))
             engine = Engine(settings.engine_url, worker_id, settings.build_workers * CHUNKS_PER_PROCESS)
-            Chores({"forgetting ended builds": engine.forget_ended}).start()
+            Chores(_chores(settings, database, engine)).start()
             ready(slot.name)
             return _work(Foreman(the_crew(), engine, Place(worker_id, slot.key, settings.build_workers)), stop)
+
+
+def _chores(settings: Settings, database: Database, engine: Engine) -> dict[str, Callable[[], object]]:
+    photos = open_photo_store(settings.photographs_location)
+    return {
+        "housekeeping": lambda: housekeep(database, photos, time.time()),
+        "ended builds forgotten by the engine": engine.forget_ended,
+    }
 
 
 def _work(foreman: Foreman, stop: threading.Event) -> int:
