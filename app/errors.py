@@ -128,6 +128,12 @@ class ServerFull(ScattermarkError):
     slug = "server-full"
 
 
+class FrameDropped(ScattermarkError):
+    """A frame of a stream that was not looked at: a newer one came first."""
+
+    slug = "frame-dropped"
+
+
 class TimedOut(ScattermarkError):
     """Work that outlasted its time limit."""
 

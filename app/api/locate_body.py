@@ -39,7 +39,7 @@ async def locate_request(request: Request, principal: Locating) -> LocateRequest
             part = _Part(await request.body(), dict(request.query_params), "query")
     except ClientDisconnect as error:
         raise BadPhoto("the upload broke off; send the snapshot again") from error
-    parameters = _parameters(part)
+    parameters = checked_parameters(part.fields, part.place)
     principal.site(parameters.site_id)
     return parameters.to_domain(part.photo)
 
@@ -62,13 +62,19 @@ async def _form_part(request: Request, form: FormData) -> _Part:
     return _Part(await image.read(), {**request.query_params, **fields}, "body")
 
 
-def _parameters(part: _Part) -> LocateParameters:
-    given = {name: value for name, value in part.fields.items() if value != ""}  # an empty field of a form is none
+def checked_parameters(fields: dict[str, Any], place: str) -> LocateParameters:
+    """What a client says of a snapshot; ``place`` is where it said so.
+
+    Raises
+    ------
+    RequestValidationError
+    """
+    given = {name: value for name, value in fields.items() if value != ""}  # an empty field of a form is none
     try:
         return LocateParameters.model_validate(given)
     except ValidationError as error:
         found = error.errors(include_url=False, include_context=False, include_input=False)
-        raise RequestValidationError([{**item, "loc": (part.place, *item["loc"])} for item in found]) from error
+        raise RequestValidationError([{**item, "loc": (place, *item["loc"])} for item in found]) from error
 
 
 def locate_openapi() -> dict[str, Any]:

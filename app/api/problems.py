@@ -57,6 +57,7 @@ TABLE: dict[type[errors.ScattermarkError], Kind] = {
     errors.NotLocated: Kind(422, "Not located"),
     errors.Cancelled: Kind(503, "Cancelled"),
     errors.ServerFull: Kind(503, "Server full"),
+    errors.FrameDropped: Kind(503, "Frame dropped"),
     errors.TimedOut: Kind(504, "Time limit exceeded"),
     errors.WorkerCrashed: Kind(500, "Worker crashed"),
     errors.StorageUnavailable: Kind(503, "Storage unavailable"),
@@ -148,17 +149,34 @@ def stopped_problem() -> dict[str, Any]:
 
 def problem_response(problem: dict[str, Any], headers: dict[str, str] | None = None) -> JSONResponse:
     """The answer that carries a problem and the id of the request that met it."""
+    return JSONResponse(identified(problem), status_code=problem["status"], media_type=MEDIA_TYPE, headers=headers)
+
+
+def identified(problem: dict[str, Any]) -> dict[str, Any]:
+    """A problem with the id of the request that met it."""
     request_id = present_request_id()
-    problem = problem if request_id is None else {**problem, "request_id": request_id}
-    return JSONResponse(problem, status_code=problem["status"], media_type=MEDIA_TYPE, headers=headers)
+    return problem if request_id is None else {**problem, "request_id": request_id}
+
+
+def known_problem(error: errors.ScattermarkError) -> dict[str, Any]:
+    """The problem of an error that was raised on purpose."""
+    kind = kind_of(type(error))
+    if kind.status == 500:
+        log.error("%s: %s", error.slug, error.detail)
+    return problem_of(error.slug, kind, error.detail, error.fields)
 
 
 def known_problem_response(error: errors.ScattermarkError) -> JSONResponse:
     """The answer for an error that was raised on purpose."""
-    kind = kind_of(type(error))
-    if kind.status == 500:
-        log.error("%s: %s", error.slug, error.detail)
-    return problem_response(problem_of(error.slug, kind, error.detail, error.fields), _headers_of(error))
+    return problem_response(known_problem(error), _headers_of(error))
+
+
+def invalid_problem(error: RequestValidationError) -> dict[str, Any]:
+    """The problem of a request that does not fit its call."""
+    found = [{"field": ".".join(str(part) for part in item["loc"]), "problem": item["msg"]} for item in error.errors()]
+    shown = "; ".join(f"{item['field']}: {item['problem']}" for item in found[:ERRORS_SHOWN])
+    detail = f"the request does not fit this call ({shown}); correct it, /docs shows what is expected"
+    return problem_of("invalid-input", TABLE[errors.InvalidInput], detail, {"errors": found})
 
 
 async def _on_known_error(_request: Request, error: Exception) -> JSONResponse:
@@ -177,10 +195,7 @@ def _headers_of(error: errors.ScattermarkError) -> dict[str, str]:
 
 async def _on_validation_error(_request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
-    found = [{"field": ".".join(str(part) for part in item["loc"]), "problem": item["msg"]} for item in error.errors()]
-    shown = "; ".join(f"{item['field']}: {item['problem']}" for item in found[:ERRORS_SHOWN])
-    detail = f"the request does not fit this call ({shown}); correct it, /docs shows what is expected"
-    return problem_response(problem_of("invalid-input", TABLE[errors.InvalidInput], detail, {"errors": found}))
+    return problem_response(invalid_problem(error))
 
 
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:

@@ -106,6 +106,7 @@ def _url(listener: socket.socket, scheme: str) -> str:
 def _server(settings: Settings, door: Door) -> GracefulServer:
     import uvicorn
 
+    from app.api.locate_stream import FRAME_BYTES, MESSAGES_AHEAD
     from app.api.slow_headers import PatientProtocol
     from app.cli.graceful_server import GracefulServer
     from app.main import create_app
@@ -123,6 +124,9 @@ def _server(settings: Settings, door: Door) -> GracefulServer:
     config = uvicorn.Config(
         app,
         http=PatientProtocol,
+        ws_max_size=FRAME_BYTES,
+        ws_max_queue=MESSAGES_AHEAD,
+        ws_per_message_deflate=False,  # photographs are compressed already
         log_config=None,
         access_log=False,
         lifespan="on",

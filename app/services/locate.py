@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Self
 
 from app.errors import NotLocated
-from app.services.locate_prepare import Preparation
+from app.services.locate_prepare import Preparation, Prepared
 from app.services.locate_request import LocateRequest as LocateRequest
 from app.services.locate_work import LocateTask, locate_photo
 from app.services.metrics import ServiceMetrics
@@ -81,9 +81,22 @@ class Locator:
         with self._metrics.answering():
             return _located_or_refused(await self._snapshot(request))
 
-    async def _snapshot(self, request: LocateRequest) -> Snapshot:
+    async def check(self, request: LocateRequest) -> None:
+        """See that snapshots like this one could be located, without a look at the photograph.
+
+        Raises
+        ------
+        NotFound, Conflict, InvalidInput
+            As ``locate``.
+        """
+        await self._prepare(request)
+
+    async def _prepare(self, request: LocateRequest) -> Prepared | Snapshot:
         loop = asyncio.get_running_loop()
-        prepared = await loop.run_in_executor(self._threads, self._preparation.prepare, request)
+        return await loop.run_in_executor(self._threads, self._preparation.prepare, request)
+
+    async def _snapshot(self, request: LocateRequest) -> Snapshot:
+        prepared = await self._prepare(request)
         if isinstance(prepared, Snapshot):
             return prepared
         heading = prepared.heading
