@@ -120,6 +120,11 @@ class PhotoIntake:
         self._limits = limits
         self._budget = budget
 
+    @property
+    def store(self) -> PhotoStore:
+        """Where photographs go."""
+        return self._photos
+
     async def take(self, survey_id: str, uploads: Sequence[Upload]) -> tuple[AddedPhoto, ...]:
         """Add photographs to a survey, all or none; nothing is left of what breaks off.
 
