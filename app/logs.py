@@ -35,6 +35,8 @@ WITH_OWN_HANDLER = ("dbos",)
 TALKATIVE = ("asgi_correlation_id",)
 NOT_FOR_LINES = ("color_message",)  # uvicorn's second copy of its message, with colours
 MASK = "***"
+# Few strings need a closer look.
+SUSPECT = re.compile(r"(?i)bearer|sm[ks]_|[:=]")
 # What must not be read in a log, wherever it comes from: keys and sessions, passwords in URLs, query strings.
 SECRETS = (
     (re.compile(r"(?i)\b(bearer\s+)[^\s\"']+"), rf"\g<1>{MASK}"),
@@ -123,9 +125,12 @@ def _formatter(as_json: bool, in_colour: bool) -> logging.Formatter:
         structlog.stdlib.add_logger_name,
         structlog.stdlib.add_log_level,
         structlog.stdlib.ExtraAdder(),
+    ]
+    text: list[Processor] = [
+        structlog.processors.format_exc_info,
+        _without_secrets,
         structlog.processors.TimeStamper(fmt="iso", utc=True, key="time"),
     ]
-    text: list[Processor] = [structlog.processors.format_exc_info, _without_secrets]
     rendering: list[Processor] = [*text, structlog.processors.JSONRenderer() if as_json else _columns(in_colour)]
     return structlog.stdlib.ProcessorFormatter(
         foreign_pre_chain=before, processors=[structlog.stdlib.ProcessorFormatter.remove_processors_meta, *rendering]
@@ -147,7 +152,7 @@ def _without_secrets(_logger: WrappedLogger, _method: str, event: EventDict) -> 
 
 
 def _masked(value: Any) -> Any:
-    if isinstance(value, str):
+    if isinstance(value, str) and SUSPECT.search(value):
         for pattern, replacement in SECRETS:
             value = pattern.sub(replacement, value)
     return value
