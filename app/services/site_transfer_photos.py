@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from contextvars import Context
 
 from app.errors import ScattermarkError
 from app.services.photo_removal import REMOVED_AT_A_TIME, remove_unused
@@ -59,8 +60,11 @@ class ArrivingPhotos:
         return tuple(sorted(name for sha256 in absent for name in names[sha256]))
 
     def remove(self) -> None:
-        """Take away what was kept and nothing refers to: the import has failed."""
-        remove_unused(self._database, self._photos, self._kept)
+        """Take away what was kept and nothing refers to: the import has failed.
+
+        In a context of its own, as nothing has been changed that the audit should tell of.
+        """
+        Context().run(remove_unused, self._database, self._photos, self._kept)
 
     def keep_what_was_removed(self) -> None:
         """Once rows refer to the photographs: a purge that had begun before may have taken some away."""
