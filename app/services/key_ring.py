@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import OrderedDict
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 from app.services.keys import GREATEST_SECRET_CHARACTERS, digest_of, principal_of_key, rate_of_key
 from app.services.principal import Principal
@@ -18,7 +18,7 @@ from app.storage.keys import ApiKey, KeyRepository
 KNOWN_S = 5.0  # another process's revocation is honoured within this time
 REMEMBERED = 10_000  # secrets, wrong ones included: a flood of them neither fills memory nor reaches the database twice
 
-Lookup = Callable[[str], ApiKey | None]
+Kind = Literal["key", "cookie"]  # one is never taken for the other
 
 
 @dataclass(frozen=True)
@@ -49,26 +49,26 @@ class KeyRing:
     def __init__(self, database: Database, default_rate: Rate) -> None:
         self._database = database
         self._default_rate = default_rate
-        self._known: OrderedDict[str, _Known] = OrderedDict()
+        self._known: OrderedDict[tuple[Kind, str], _Known] = OrderedDict()
         self._used_s: dict[str, float] = {}
 
     async def holder_of_key(self, secret: str) -> Holder | None:
         """Whoever holds this key; None when it opens nothing."""
-        return await self._find(secret, self._look_up_key)
+        return await self._find("key", secret)
 
     async def holder_of_cookie(self, secret: str) -> Holder | None:
         """Whoever holds the key that opened this session; None when it has ended."""
-        return await self._find(secret, self._look_up_cookie)
+        return await self._find("cookie", secret)
 
     def forget(self, key_id: str) -> None:
         """Look a key and its sessions up again at once, as it was revoked."""
-        stale = [digest for digest, known in self._known.items() if known.holder and known.holder.key.key_id == key_id]
-        for digest in stale:
-            del self._known[digest]
+        stale = [shown for shown, known in self._known.items() if known.holder and known.holder.key.key_id == key_id]
+        for shown in stale:
+            del self._known[shown]
 
-    def forget_secret(self, secret: str) -> None:
-        """Look a secret up again at once, as its session has ended."""
-        self._known.pop(digest_of(secret), None)
+    def forget_cookie(self, secret: str) -> None:
+        """Look a cookie up again at once, as its session has ended."""
+        self._known.pop(("cookie", digest_of(secret)), None)
 
     def write_uses(self) -> None:
         """Keep when keys were used last; called seldom, from a thread."""
@@ -77,25 +77,26 @@ class KeyRing:
             with self._database.writing() as session:
                 KeyRepository(session).note_use(used_s)
 
-    async def _find(self, secret: str, look_up: Lookup) -> Holder | None:
+    async def _find(self, kind: Kind, secret: str) -> Holder | None:
         if len(secret) > GREATEST_SECRET_CHARACTERS:
             return None
-        digest = digest_of(secret)
-        known = self._known.get(digest)
+        shown = kind, digest_of(secret)
+        known = self._known.get(shown)
         if known is None or time.monotonic() - known.looked_up_s > KNOWN_S:
-            known = await self._look_up(digest, look_up)
+            known = await self._look_up(shown)
         now_s = time.time()
         if known.holder is None or not known.holder.key.valid_at(now_s):
             return None
         self._used_s[known.holder.key.key_id] = now_s
         return known.holder
 
-    async def _look_up(self, digest: str, look_up: Lookup) -> _Known:
+    async def _look_up(self, shown: tuple[Kind, str]) -> _Known:
+        kind, digest = shown
         asked_s = time.monotonic()
-        key = await asyncio.to_thread(look_up, digest)
+        key = await asyncio.to_thread(self._key_of if kind == "key" else self._key_of_cookie, digest)
         known = _Known(None if key is None else self._holder(key), asked_s)
-        self._known[digest] = known
-        self._known.move_to_end(digest)
+        self._known[shown] = known
+        self._known.move_to_end(shown)
         if len(self._known) > REMEMBERED:
             self._known.popitem(last=False)
         return known
@@ -103,11 +104,11 @@ class KeyRing:
     def _holder(self, key: ApiKey) -> Holder:
         return Holder(key, principal_of_key(key), rate_of_key(key, self._default_rate))
 
-    def _look_up_key(self, digest: str) -> ApiKey | None:
+    def _key_of(self, digest: str) -> ApiKey | None:
         with self._database.reading() as session:
             return KeyRepository(session).find(digest)
 
-    def _look_up_cookie(self, digest: str) -> ApiKey | None:
+    def _key_of_cookie(self, digest: str) -> ApiKey | None:
         with self._database.reading() as session:
             found = BrowserSessionRepository(session).find(digest)
         return None if found is None else found.key_until_then()

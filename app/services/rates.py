@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from app.errors import InvalidInput, TooManyRequests
 
+ROUNDING_S = 1e-6  # of sums of monotonic seconds: less than any interval that is asked for
 REMEMBERED = 10_000  # askers; beyond it those are forgotten who have not asked for a while
 
 
@@ -50,7 +51,7 @@ class RateLimiter:
         now_s = self._clock_s()
         due_s = max(self._due_s.get(asker, now_s), now_s)
         early_s = due_s - now_s - (rate.burst - 1) / rate.per_s
-        if early_s > 0:
+        if early_s > ROUNDING_S:
             raise TooManyRequests(
                 f"more than {rate.per_s:g} requests a second ({rate.burst} at once): come back when Retry-After says, "
                 "or ask the operator for a higher rate",

@@ -66,7 +66,7 @@ class BrowserSessions:
         if cookie is None:
             return
         await asyncio.to_thread(self._close, cookie)
-        self._ring.forget_secret(cookie)
+        self._ring.forget_cookie(cookie)
 
     def _open(self, key: ApiKey) -> OpenedSession:
         identify(key.key_id, key.grant.name)
