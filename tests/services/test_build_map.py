@@ -1,46 +1,47 @@
-"""The story of a build with a pool that does what a test says."""
+"""The steps of a build with a pool that does what a test says."""
 
 from __future__ import annotations
 
-import asyncio
+import threading
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
 
-from app.errors import Cancelled, SurveyFailed, TimedOut, WorkerCrashed
+from app.errors import Cancelled, StorageUnavailable, SurveyFailed, TimedOut, WorkerCrashed
 from app.services import adjust_work
 from app.services.adjust_work import AdjustTask, Unreadable, adjust_and_publish
-from app.services.build_map import BuildLimits, MapBuilder
+from app.services.build_map import PHOTOS_PER_CHUNK, BuildLimits, MapBuilder
 from app.services.build_options import BuildOptions, Exclusion
 from app.services.detect_work import DetectSettings, DetectTask
 from app.services.job_progress import JobProgress
 from app.storage.database import Database
-from app.storage.jobs import Job, JobRepository
+from app.storage.job_queue import JobQueue
+from app.storage.jobs import Job, JobRepository, JobRun
 from app.storage.surveys import DetectionRepository, SurveyRepository
 from app.storage.target_maps import TargetMapRepository
 from app.vision.photo import PhotoLimits
 from tests.storage import examples
 
-LIMITS = BuildLimits(PhotoLimits(), width=2, detect_timeout_s=60.0, adjust_timeout_s=600.0)
+LIMITS = BuildLimits(PhotoLimits(), detect_timeout_s=60.0, adjust_timeout_s=600.0)
 PHOTOS = {"a.jpg": "a" * 64, "b.jpg": "b" * 64, "c.jpg": "c" * 64, "twin of a.jpg": "a" * 64}
 
 
 class FakePool:
-    """Answers by a function of the task, or not at all while it returns None."""
+    """Answers by a function of the task, or not until it is ended when that says NEVER."""
 
     def __init__(self, answer: Callable[[Any], Any]) -> None:
         self.answer = answer
         self.tasks: list[Any] = []
-        self.futures: list[Future[Any]] = []
+        self.began = threading.Event()
 
     def submit(self, function: Callable[..., Any], task: Any, timeout_s: float | None = None) -> Future[Any]:
         expected_s = LIMITS.adjust_timeout_s if function is adjust_and_publish else LIMITS.detect_timeout_s
         assert timeout_s == expected_s
         self.tasks.append(task)
-        future: Future[Any] = Future()
-        self.futures.append(future)
+        future: Future[Any] = EndedFuture()
         try:
             answered = self.answer(task)
         except Exception as error:  # noqa: BLE001 - what a worker raises
@@ -48,6 +49,7 @@ class FakePool:
         else:
             if answered is not NEVER:
                 future.set_result(answered)
+        self.began.set()
         return future
 
     @property
@@ -59,6 +61,14 @@ class FakePool:
         return [task for task in self.tasks if isinstance(task, AdjustTask)]
 
 
+class EndedFuture(Future[Any]):
+    """As the pool's: a cancelled one raises our own error."""
+
+    def cancel(self) -> bool:
+        self.set_exception(Cancelled("the work was ended on request"))
+        return True
+
+
 NEVER = object()
 
 
@@ -68,34 +78,60 @@ def running_job(database: Database, options: BuildOptions | None = None) -> Job:
         for name, sha256 in PHOTOS.items():
             SurveyRepository(session).add_photo(survey_id, examples.photo(name, sha256))
         job = JobRepository(session).add("build", site.site_id, survey_id, (options or BuildOptions()).to_json())
-        JobRepository(session).claim(job.job_id, "host/1")
+        JobQueue(session).claim(job.run, "worker 1")
     return job
 
 
-def build(database: Database, pool: FakePool, job: Job) -> None:
-    asyncio.run(MapBuilder(database, pool, LIMITS).build(job))  # type: ignore[arg-type]
+def builder_of(database: Database, answer: Callable[[Any], Any] = lambda _task: None) -> tuple[MapBuilder, FakePool]:
+    pool = FakePool(answer)
+    return MapBuilder(database, pool, LIMITS), pool  # type: ignore[arg-type]
 
 
-def test_each_new_photograph_is_detected_once_then_all_are_adjusted(database: Database) -> None:
+def keep_detection(database: Database, name: str) -> None:
+    with database.writing() as session:
+        key = DetectSettings.of("golay", BuildOptions()).key(PHOTOS[name])
+        DetectionRepository(session).put(key, examples.detection())
+
+
+def told(database: Database, job: Job) -> Job:
+    with database.reading() as session:
+        return JobRepository(session).get(job.job_id)
+
+
+def test_each_photograph_that_is_new_is_planned_once(database: Database) -> None:
+    job = running_job(database)
+    keep_detection(database, "b.jpg")
+    builder, _ = builder_of(database)
+    assert builder.plan(job.run) == ((PHOTOS["a.jpg"], PHOTOS["c.jpg"]),)
+
+
+def test_many_photographs_are_planned_in_chunks(database: Database) -> None:
     job = running_job(database)
     with database.writing() as session:
-        key = DetectSettings.of("golay", BuildOptions()).key(PHOTOS["b.jpg"])
-        DetectionRepository(session).put(key, examples.detection())
-    pool = FakePool(lambda _task: None)
-    build(database, pool, job)
-    assert sorted(pool.detected) == [PHOTOS["a.jpg"], PHOTOS["c.jpg"]]
-    assert pool.adjusted == [AdjustTask(job.job_id, ())]
-    assert isinstance(pool.tasks[-1], AdjustTask)
-    with database.reading() as session:
-        told = JobRepository(session).get(job.job_id)
-    assert (told.stage, told.done, told.total) == ("detect", 3, 3)
+        for number in range(2 * PHOTOS_PER_CHUNK):
+            SurveyRepository(session).add_photo(job.survey_id, examples.photo(f"more {number}.jpg", f"{number:064}"))
+    builder, _ = builder_of(database)
+    assert [len(chunk) for chunk in builder.plan(job.run)] == [PHOTOS_PER_CHUNK, PHOTOS_PER_CHUNK, 3]
 
 
 def test_excluded_photographs_are_not_even_looked_at(database: Database) -> None:
-    pool = FakePool(lambda _task: None)
-    build(database, pool, running_job(database, BuildOptions(Exclusion(images=("c.jpg",)), "eager")))
-    assert set(pool.detected) == {PHOTOS["a.jpg"], PHOTOS["b.jpg"]}
-    assert {task.settings.strictness for task in pool.tasks if isinstance(task, DetectTask)} == {"eager"}
+    job = running_job(database, BuildOptions(Exclusion(images=("c.jpg",)), "eager"))
+    builder, pool = builder_of(database)
+    (chunk,) = builder.plan(job.run)
+    assert set(chunk) == {PHOTOS["a.jpg"], PHOTOS["b.jpg"]}
+    builder.detect(job.run, chunk)
+    assert {task.settings.strictness for task in pool.tasks} == {"eager"}
+
+
+def test_a_chunk_that_is_done_again_does_what_was_not_done(database: Database) -> None:
+    job = running_job(database)
+    with database.writing() as session:
+        JobQueue(session).strike([job.job_id])
+    builder, pool = builder_of(database)
+    keep_detection(database, "a.jpg")
+    assert builder.detect(job.run, [PHOTOS["a.jpg"], PHOTOS["c.jpg"]]) == {}
+    assert pool.detected == [PHOTOS["c.jpg"]]
+    assert told(database, job).strikes == 0
 
 
 @pytest.mark.parametrize("failure", ["truncated", TimedOut("too slow"), WorkerCrashed("it died")])
@@ -109,53 +145,104 @@ def test_one_bad_photograph_does_not_end_the_build(database: Database, failure: 
             return failure
         return None
 
-    pool = FakePool(answer)
-    build(database, pool, job)
+    builder, pool = builder_of(database, answer)
     reason = failure.detail if isinstance(failure, (TimedOut, WorkerCrashed)) else str(failure)
-    expected = (Unreadable("a.jpg", reason), Unreadable("twin of a.jpg", reason))
-    assert pool.adjusted == [AdjustTask(job.job_id, expected)]
+    reasons = builder.detect(job.run, [PHOTOS["a.jpg"], PHOTOS["c.jpg"]])
+    assert reasons == {PHOTOS["a.jpg"]: reason}
+    builder.adjust_and_publish(job.run, reasons)
+    assert pool.adjusted == [AdjustTask(job.run, (Unreadable("a.jpg", reason), Unreadable("twin of a.jpg", reason)))]
+
+
+@pytest.mark.parametrize("kind", [DetectTask, AdjustTask])
+def test_work_whose_process_was_killed_once_is_done_again(database: Database, kind: type) -> None:
+    deaths = iter([WorkerCrashed("somebody killed it")])
+
+    def answer(task: Any) -> Any:
+        for death in deaths if isinstance(task, kind) else ():
+            raise death
+        return None
+
+    job = running_job(database)
+    builder, pool = builder_of(database, answer)
+    assert builder.detect(job.run, [PHOTOS["a.jpg"]]) == {}
+    builder.adjust_and_publish(job.run, {})
+    assert len([task for task in pool.tasks if isinstance(task, kind)]) == 2
 
 
 def test_what_the_adjustment_raises_ends_the_build(database: Database) -> None:
-    def answer(task: Any) -> Any:
-        if isinstance(task, AdjustTask):
-            raise SurveyFailed("no overlap", reason="no-overlap")
-        return None
+    def answer(_task: Any) -> Any:
+        raise SurveyFailed("no overlap", reason="no-overlap")
 
+    builder, _ = builder_of(database, answer)
     with pytest.raises(SurveyFailed, match="no overlap"):
-        build(database, FakePool(answer), running_job(database))
+        builder.adjust_and_publish(running_job(database).run, {})
 
 
-def test_a_cancelled_build_ends_the_work_that_is_under_way(database: Database) -> None:
-    job, pool = running_job(database), FakePool(lambda _task: NEVER)
-
-    async def story() -> None:
-        work = asyncio.create_task(MapBuilder(database, pool, LIMITS).build(job))  # type: ignore[arg-type]
-        while len(pool.futures) < LIMITS.width:
-            await asyncio.sleep(0.001)
-        work.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await work
-
-    asyncio.run(story())
-    assert all(future.cancelled() for future in pool.futures)
-    assert pool.adjusted == []
-
-
-def test_a_build_notices_that_its_job_was_cancelled_elsewhere(database: Database) -> None:
+def test_photographs_are_counted_whoever_detects_them(database: Database) -> None:
     job = running_job(database)
-    with database.writing() as session:
-        JobRepository(session).cancel(job.job_id)
-    pool = FakePool(lambda _task: None)
-    with pytest.raises(Cancelled):
-        build(database, pool, job)
-    assert pool.adjusted == []
+    builder, _ = builder_of(database)
+    seen: list[tuple[str, int, int]] = []
+    another = iter(["b.jpg", "a.jpg"])
+
+    def detecting() -> bool:
+        now = told(database, job)
+        seen.append((now.stage, now.done, now.total))
+        for name in another:
+            keep_detection(database, name)
+            return True
+        return len(seen) < 4  # c.jpg cannot be used: it stays missing until the chunks are done
+
+    builder.await_detection(job.run, detecting)
+    assert seen == [("queued", 0, 0), ("detect", 1, 3), ("detect", 2, 3), ("detect", 2, 3)]
+    assert (told(database, job).stage, told(database, job).done, told(database, job).total) == ("detect", 3, 3)
+
+
+def test_what_is_under_way_ends_with_its_attempt(database: Database) -> None:
+    job, other = running_job(database), running_job(database)
+    builder, pool = builder_of(database, lambda _task: NEVER)
+    raised: list[BaseException] = []
+
+    def adjust() -> None:
+        try:
+            builder.adjust_and_publish(job.run, {})
+        except Cancelled as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=adjust)
+    thread.start()
+    pool.began.wait()
+    while builder.tasks.runs != {job.run}:
+        pass
+    builder.tasks.end(other.run)
+    assert builder.tasks.runs == {job.run}
+    builder.tasks.end(job.run)
+    thread.join()
+    assert len(raised) == 1
+    assert builder.tasks.runs == frozenset()
+
+
+@pytest.mark.parametrize("attempt", [1, 2])
+def test_a_step_of_an_attempt_that_is_over_does_nothing(database: Database, attempt: int) -> None:
+    job = running_job(database)
+    if attempt == 1:
+        with database.writing() as session:
+            JobRepository(session).cancel(job.job_id)
+    run = JobRun(job.job_id, attempt)
+    builder, pool = builder_of(database)
+    for step in (
+        lambda: builder.detect(run, [PHOTOS["a.jpg"]]),
+        lambda: builder.await_detection(run, lambda: True),
+        lambda: builder.adjust_and_publish(run, {}),
+    ):
+        with pytest.raises(Cancelled):
+            step()
+    assert pool.tasks == []
 
 
 def test_a_cancelled_job_publishes_nothing_even_at_the_last_moment(database: Database) -> None:
     job = running_job(database)
     with database.reading() as session:
-        material = adjust_work._gather(session, AdjustTask(job.job_id, ()))
+        material = adjust_work._gather(session, AdjustTask(job.run, ()))
     publication = examples.publication(job.job_id, job.survey_id)
     with database.writing() as session:
         JobRepository(session).cancel(job.job_id)
@@ -168,13 +255,52 @@ def test_a_cancelled_job_publishes_nothing_even_at_the_last_moment(database: Dat
 def test_a_published_map_and_its_jobs_success_come_together(database: Database) -> None:
     job = running_job(database)
     with database.reading() as session:
-        material = adjust_work._gather(session, AdjustTask(job.job_id, ()))
+        material = adjust_work._gather(session, AdjustTask(job.run, ()))
     version = adjust_work._publish(database, material, examples.publication(job.job_id, job.survey_id))
     with database.reading() as session:
-        done = JobRepository(session).get(job.job_id)
         assert TargetMapRepository(session).version(job.site_id, None).version == version == 1
+    done = told(database, job)
     expected = {"map_version": 1, "targets": len(examples.CODES), "photographs": 2, "unoriented": 1}
     assert (done.state, done.result) == ("succeeded", expected)
+    with pytest.raises(Cancelled):  # the commit came through and its answer did not: nothing is published twice
+        adjust_work._publish(database, material, examples.publication(job.job_id, job.survey_id))
+    with database.reading() as session, pytest.raises(Exception, match="no target map version 2"):
+        TargetMapRepository(session).load(job.site_id, 2)
+
+
+class Away:
+    """A database that gives no answer a few times."""
+
+    def __init__(self, database: Database, times: int) -> None:
+        self._database = database
+        self._left = times
+
+    @contextmanager
+    def writing(self) -> Any:
+        if self._left:
+            self._left -= 1
+            raise StorageUnavailable("the database gave no answer")
+        with self._database.writing() as session:
+            yield session
+
+
+def test_a_publication_waits_for_a_database_that_is_away(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(adjust_work, "PUBLISH_PAUSES_S", (0.0, 0.0))
+    job = running_job(database)
+    with database.reading() as session:
+        material = adjust_work._gather(session, AdjustTask(job.run, ()))
+    publication = examples.publication(job.job_id, job.survey_id)
+    with pytest.raises(StorageUnavailable):
+        adjust_work._publish_patiently(Away(database, 3), material, publication)  # type: ignore[arg-type]
+    assert adjust_work._publish_patiently(Away(database, 2), material, publication) == 1  # type: ignore[arg-type]
+
+
+def test_progress_that_cannot_be_written_ends_no_work(database: Database) -> None:
+    job = running_job(database)
+    progress = JobProgress(Away(database, 1), job.run)  # type: ignore[arg-type]
+    progress.report("network", 0, 1)
+    progress.report("adjust", 0, 1)
+    assert told(database, job).stage == "adjust"
 
 
 def test_progress_is_written_at_new_stages_and_ends_and_seldom_between(
@@ -184,13 +310,13 @@ def test_progress_is_written_at_new_stages_and_ends_and_seldom_between(
     written: list[tuple[str, int]] = []
     original = JobRepository.progress
 
-    def progress(self: JobRepository, job_id: str, stage: str, done: int, total: int) -> bool:
+    def progress(self: JobRepository, run: JobRun, stage: str, done: int, total: int) -> bool:
         written.append((stage, done))
-        return original(self, job_id, stage, done, total)
+        return original(self, run, stage, done, total)
 
     monkeypatch.setattr(JobRepository, "progress", progress)
     monkeypatch.setattr("app.services.job_progress.WRITE_INTERVAL_S", 1e6)
-    watcher = JobProgress(database, job.job_id)
+    watcher = JobProgress(database, job.run)
     for stage in ("detect", "network"):
         for done in range(5):
             watcher.report(stage, done, 4)
