@@ -16,6 +16,7 @@ from dbos import DBOS
 
 from app.errors import Cancelled, ScattermarkError, ServerFull, StorageUnavailable
 from app.jobs.engine_json import FAULT
+from app.logs import logging_with
 from app.services.build_map import MapBuilder, Reasons
 from app.services.jobs import problem_of_error
 from app.storage.database import Database
@@ -70,7 +71,8 @@ class Crew:
             taken = JobQueue(session).take(run, self.worker_id)
         self.active.add(run)
         try:
-            yield taken
+            with logging_with({"job_id": run.job_id}):
+                yield taken
         finally:
             self.active.discard(run)
 
@@ -135,7 +137,8 @@ def plan(job_id: str, attempt: int) -> list[list[str]]:
 def chunk(job_id: str, attempt: int, digests: list[str]) -> Reasons:
     """Some photographs of a build, on whatever worker; why some of them cannot be used."""
     try:
-        return detect(job_id, attempt, digests)
+        with logging_with({"job_id": job_id}):
+            return detect(job_id, attempt, digests)
     except Cancelled:
         return {}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
@@ -16,6 +17,8 @@ from app.storage.surveys import SurveyRepository
 from app.storage.target_maps import TargetMapRepository
 from app.targets.family import family_by_name
 from app.vision.detectors import choose_detector
+
+log = logging.getLogger(__name__)
 
 BUILD = "build"  # the kind of job
 LEAST_PHOTOS = 2  # a target's place takes rays from several photographs
@@ -38,7 +41,10 @@ def request_build(session: Session, survey_id: str, options: BuildOptions) -> Jo
     survey = SurveyRepository(session).get(survey_id)
     _check_photos(session, survey, options.exclude)
     _check_site(session, survey, options)
-    return JobRepository(session).add(BUILD, survey.site_id, survey_id, options.to_json())
+    job = JobRepository(session).add(BUILD, survey.site_id, survey_id, options.to_json())
+    # Where the request's lines and those of the workers meet.
+    log.info("a build is asked for", extra={"job_id": job.job_id, "survey_id": survey_id})
+    return job
 
 
 def _check_photos(session: Session, survey: Survey, exclude: Exclusion) -> None:
