@@ -18,10 +18,17 @@ from app.trajectories.trajectory import Array, Trajectory
 
 TUM_LINE = "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n"
 SIGMA_COLUMNS = ("sigma_x_m", "sigma_y_m", "sigma_z_m", "sigma_rx_rad", "sigma_ry_rad", "sigma_rz_rad")
-CSV_COLUMNS = ("time_utc", "time_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", *SIGMA_COLUMNS)
+COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")  # m and rad
+# The upper triangle of the covariance, row by row.
+COVARIANCE_COLUMNS = tuple(
+    f"cov_{first}_{second}" for row, first in enumerate(COMPONENTS) for second in COMPONENTS[row:]
+)
+POSITION_COLUMNS, QUATERNION_COLUMNS = ("x_m", "y_m", "z_m"), ("qx", "qy", "qz", "qw")
+UNCERTAINTY_COLUMNS = (*SIGMA_COLUMNS, *COVARIANCE_COLUMNS)
+CSV_COLUMNS = ("time_utc", "time_s", *POSITION_COLUMNS, *QUATERNION_COLUMNS, *UNCERTAINTY_COLUMNS)
 CSV_POSE = "%.6f,%.6f,%.6f,%.6f,%.9f,%.9f,%.9f,%.9f,"
-CSV_SIGMAS = "%.7g,%.7g,%.7g,%.7g,%.7g,%.7g\n"
-CSV_NO_SIGMAS = "," * (len(SIGMA_COLUMNS) - 1) + "\n"
+CSV_SIGMAS = ",".join(["%.7g"] * len(UNCERTAINTY_COLUMNS)) + "\n"
+CSV_NO_SIGMAS = "," * (len(UNCERTAINTY_COLUMNS) - 1) + "\n"
 DEGREE_DIGITS = 9  # 0.1 mm on the ground
 HEIGHT_DIGITS, METRES_DIGITS = 4, 6  # 0.1 mm, a micrometre
 
@@ -38,7 +45,11 @@ def tum_text(parts: Iterable[Trajectory]) -> Iterator[str]:
 
 
 def csv_text(parts: Iterable[Trajectory]) -> Iterator[str]:
-    """One line per pose under a heading; a trajectory without covariances leaves the sigmas empty."""
+    """One line per pose under a heading; a trajectory without covariances leaves their columns empty.
+
+    ``time_s`` counts from 1970 in UTC; ``time_utc`` says the same for people. Sigmas are the roots of the covariance's
+    diagonal; ``cov_x_ry`` is in m rad.
+    """
     yield ",".join(CSV_COLUMNS) + "\n"
     for part in parts:
         lines = zip(iso_times(part.times_s), _pose_rows(part), _sigma_texts(part), strict=True)
@@ -86,10 +97,11 @@ def _orientations(part: Trajectory) -> Array:
 
 
 def _sigma_texts(part: Trajectory) -> Iterator[str]:
-    sigmas = part.sigmas
-    if sigmas is None:
+    sigmas, covariances = part.sigmas, part.covariances
+    if sigmas is None or covariances is None:
         return iter([CSV_NO_SIGMAS] * len(part))
-    return (CSV_SIGMAS % tuple(row) for row in sigmas.tolist())
+    upper = covariances[:, *np.triu_indices(len(COMPONENTS))]
+    return (CSV_SIGMAS % tuple(row) for row in np.hstack([sigmas, upper]).tolist())
 
 
 def _features(part: Trajectory, geodetic: Array) -> Iterator[dict[str, Any]]:

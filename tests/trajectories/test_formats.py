@@ -68,7 +68,10 @@ def test_csv_has_a_heading_and_a_line_per_pose(size: int) -> None:
     rows = np.array([[float(line[name]) for name in CSV_COLUMNS[1:]] for line in lines])
     assert_poses(rows[:, :8], trajectory)
     assert trajectory.sigmas is not None
-    np.testing.assert_allclose(rows[:, 8:], trajectory.sigmas, rtol=SIGMA_DIGITS)
+    np.testing.assert_allclose(rows[:, 8:14], trajectory.sigmas, rtol=SIGMA_DIGITS)
+    assert trajectory.covariances is not None
+    upper = trajectory.covariances[:, *np.triu_indices(6)]
+    np.testing.assert_allclose(rows[:, 14:], upper, rtol=SIGMA_DIGITS)
     for line in lines:
         assert datetime.fromisoformat(line["time_utc"]).timestamp() == pytest.approx(float(line["time_s"]), abs=1e-6)
 

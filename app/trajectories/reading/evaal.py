@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.trajectories.reading.poses import Reading, times_s_of
+from app.trajectories.reading.poses import Reading, times_s_of, whole_floors
 from app.trajectories.reading.table import Table, UnreadableTrajectory, data_lines, read_table, text_of
 from app.trajectories.reading.time_units import UnitName
 from app.trajectories.trajectory import Trajectory
@@ -29,7 +29,7 @@ def read_position_log(data: bytes, time_unit: UnitName | None = None) -> Reading
     times_s, unit = times_s_of(table, "timestamp", "s", time_unit)
     plan_m = table.block(("x_m", "y_m"))
     positions_m = np.column_stack([plan_m, np.zeros(len(plan_m))])
-    return Reading(Trajectory(times_s, positions_m, floors=_floors(table)), unit)
+    return Reading(Trajectory(times_s, positions_m, floors=whole_floors(table)), unit)
 
 
 def posi_table(data: bytes) -> Table:
@@ -48,11 +48,3 @@ def posi_table(data: bytes) -> Table:
     if not lines:
         raise UnreadableTrajectory("the log holds no POSI line, so no true position; send a log with ground truth")
     return read_table(lines, POSI_COLUMNS[1:], ";")
-
-
-def _floors(table: Table) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    floors = table.column("floor")
-    broken = np.flatnonzero(floors != np.round(floors))
-    if len(broken):
-        raise table.refuse(int(broken[0]), "floor", f"{floors[broken[0]]:g} is no storey; storeys are whole numbers")
-    return floors.astype(np.int64)

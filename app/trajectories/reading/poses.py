@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from app.trajectories.reading.table import Table
 from app.trajectories.reading.time_units import TimeUnit, UnitName, unit_of_stamps
 from app.trajectories.trajectory import Array, Trajectory
 
 LENGTH_TOLERANCE = 0.01  # of a quaternion's length: files round to three digits, and anything farther off is a mistake
+GREATEST_FLOOR = 1000  # no house has so many
 
 
 @dataclass(frozen=True)
@@ -62,3 +64,19 @@ def unit_quaternions(table: Table, columns: Sequence[str]) -> Array:
         row = int(wrong[0])
         raise table.refuse(row, columns[0], f"the quaternion has the length {lengths[row]:.4g}, and 1 is needed")
     return quaternions / lengths[:, None]
+
+
+def whole_floors(table: Table, column: str = "floor") -> npt.NDArray[np.int64]:
+    """Storeys, shape (N,).
+
+    Raises
+    ------
+    UnreadableTrajectory
+        When one is no whole number.
+    """
+    floors = table.column(column)
+    broken = np.flatnonzero((floors != np.round(floors)) | (np.abs(floors) > GREATEST_FLOOR))
+    if len(broken):
+        row = int(broken[0])
+        raise table.refuse(row, column, f"{floors[row]:g} is no storey; storeys are whole numbers")
+    return floors.astype(np.int64)

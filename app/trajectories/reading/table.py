@@ -13,6 +13,7 @@ from app.trajectories.trajectory import Array
 
 COMMENT = "#"
 GREATEST_ROWS = 2_000_000  # a month at 1 Hz, 5 h of an IMU-driven system at 100 Hz; some 300 MB while it is read
+GREATEST_NUMBER = 1e20  # nanoseconds since 1970 are 2e18, the rest is metres
 SHOWN = 40  # characters of a wrong field in the message
 
 
@@ -100,7 +101,12 @@ def data_lines(text: str) -> list[tuple[int, str]]:
     return numbered
 
 
-def read_table(lines: list[tuple[int, str]], columns: tuple[str, ...], separator: str | None = None) -> Table:
+def read_table(
+    lines: list[tuple[int, str]],
+    columns: tuple[str, ...],
+    separator: str | None = None,
+    skipped: frozenset[str] = frozenset(),
+) -> Table:
     """The numbers of lines that all have the same columns.
 
     Parameters
@@ -110,14 +116,29 @@ def read_table(lines: list[tuple[int, str]], columns: tuple[str, ...], separator
     columns : tuple of str
     separator : str, optional
         White space by default.
+    skipped : frozenset of str
+        Columns that are counted but not read.
 
     Raises
     ------
     UnreadableTrajectory
-        For a wrong count of columns, what is no number, and what is not finite.
+        For a wrong count of columns, what is no number, and what is not finite or beyond all use.
     """
     if not lines:
-        raise UnreadableTrajectory("the file holds no pose, only comments; send one pose at least")
+        raise UnreadableTrajectory("the file holds no pose; send one pose at least")
+    _check_counts(lines, columns, separator)
+    places = tuple(place for place, column in enumerate(columns) if column not in skipped)
+    kept = tuple(columns[place] for place in places)
+    values = _numbers(lines, dict(zip(places, kept, strict=True)), separator)
+    table = Table(values, np.array([number for number, _ in lines]), kept)
+    wrong = np.argwhere(~(np.abs(values) < GREATEST_NUMBER))
+    if len(wrong):
+        row, column = (int(index) for index in wrong[0])
+        raise table.refuse(row, kept[column], f"{values[row, column]} is no finite number of use; leave such poses out")
+    return table
+
+
+def _check_counts(lines: list[tuple[int, str]], columns: tuple[str, ...], separator: str | None) -> None:
     for number, line in lines:
         count = len(line.split(separator))
         if count != len(columns):
@@ -126,24 +147,20 @@ def read_table(lines: list[tuple[int, str]], columns: tuple[str, ...], separator
                 line=number,
                 columns=count,
             )
-    values = _numbers(lines, columns, separator)
-    table = Table(values, np.array([number for number, _ in lines]), columns)
-    wrong = np.argwhere(~np.isfinite(values))
-    if len(wrong):
-        row, column = (int(index) for index in wrong[0])
-        raise table.refuse(row, columns[column], f"{values[row, column]} is no finite number; leave such poses out")
-    return table
 
 
-def _numbers(lines: list[tuple[int, str]], columns: tuple[str, ...], separator: str | None) -> Array:
+def _numbers(lines: list[tuple[int, str]], columns: dict[int, str], separator: str | None) -> Array:
+    """The columns at the places that ``columns`` names, shape (N, M)."""
+    texts = [line for _, line in lines]
     try:
-        return np.loadtxt([line for _, line in lines], delimiter=separator, comments=None, ndmin=2)
+        return np.loadtxt(texts, delimiter=separator, comments=None, ndmin=2, usecols=tuple(columns))
     except ValueError as error:
         for number, line in lines:
-            for column, field in zip(columns, line.split(separator), strict=True):
-                if not _is_number(field):
+            fields = line.split(separator)
+            for place, column in columns.items():
+                if not _is_number(fields[place]):
                     raise UnreadableTrajectory(
-                        f"line {number}, column {column}: {field.strip()[:SHOWN]!r} is no number; correct it",
+                        f"line {number}, column {column}: {fields[place].strip()[:SHOWN]!r} is no number; correct it",
                         line=number,
                         column=column,
                     ) from error
@@ -152,7 +169,7 @@ def _numbers(lines: list[tuple[int, str]], columns: tuple[str, ...], separator: 
 
 def _is_number(field: str) -> bool:
     try:
-        np.loadtxt([field], comments=None)
+        float(field)
     except ValueError:
         return False
-    return bool(field.strip())
+    return "_" not in field  # 1_000 is a number to Python alone
