@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 
 from fastapi import HTTPException, Request
@@ -30,7 +31,7 @@ async def control_records(request: Request) -> Records:
         text = (await request.body()).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InvalidControlPoints("the control points are not UTF-8 text; save the file as UTF-8") from error
-    return records_of_csv(text) if media_type in CSV_TYPES else _records_of_json(text)
+    return await asyncio.to_thread(records_of_csv if media_type in CSV_TYPES else _records_of_json, text)
 
 
 def _records_of_json(text: str) -> Records:

@@ -22,7 +22,9 @@ log = logging.getLogger(__name__)
 TYPE_ROOT = "https://scattermark.dev/problems/"
 MEDIA_TYPE = "application/problem+json"
 MEMBERS = ("type", "title", "status", "detail")
-ERRORS_SHOWN = 5
+ERRORS_SHOWN = 5  # in the text
+ERRORS_TOLD = 100  # in the fields: who has more begins with these
+FIELD_CHARACTERS = 200  # of a field's name, which may be anything
 METHOD_NOT_ALLOWED = 405
 # The framework writes a form's files aside, and calls a full disk a request that cannot be read.
 FULL_SPOOL = (
@@ -173,7 +175,10 @@ def known_problem_response(error: errors.ScattermarkError) -> JSONResponse:
 
 def invalid_problem(error: RequestValidationError) -> dict[str, Any]:
     """The problem of a request that does not fit its call."""
-    found = [{"field": ".".join(str(part) for part in item["loc"]), "problem": item["msg"]} for item in error.errors()]
+    found = [
+        {"field": ".".join(str(part) for part in item["loc"])[:FIELD_CHARACTERS], "problem": item["msg"]}
+        for item in error.errors()[:ERRORS_TOLD]
+    ]
     shown = "; ".join(f"{item['field']}: {item['problem']}" for item in found[:ERRORS_SHOWN])
     detail = f"the request does not fit this call ({shown}); correct it, /docs shows what is expected"
     return problem_of("invalid-input", TABLE[errors.InvalidInput], detail, {"errors": found})

@@ -6,6 +6,7 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -38,12 +39,15 @@ class ControlLimits:
         Coordinates beyond it are no room's; those of a national grid lose the millimetres in float arithmetic.
     greatest_name : int
         Characters of a name.
+    greatest_points : int
+        A tachymeter measures a few hundred a day.
     """
 
     least_points: int = 3
     least_breadth: float = 1e-3
     greatest_m: float = 1e5
     greatest_name: int = 100
+    greatest_points: int = 10_000
 
 
 @dataclass(frozen=True)
@@ -101,7 +105,7 @@ def records_of_csv(text: str) -> Records:
         )
     reader.fieldnames = header
     try:
-        return list(reader)
+        return list(islice(reader, ControlLimits.greatest_points + 1))  # one more tells that there are too many
     except csv.Error as error:
         raise InvalidControlPoints(f"line {reader.line_num} of the CSV cannot be read: {error}") from error
 
@@ -114,17 +118,24 @@ def points_of_records(
     Raises
     ------
     InvalidControlPoints
-        Naming each bad row: a cell that is no number, an unknown dot, role or code, a name or dot given twice.
+        Naming each bad row: a cell that is no number, an unknown dot, role or code, a name or dot given twice. Or when
+        there are more rows than any site has.
     """
+    if len(records) > limits.greatest_points:
+        raise InvalidControlPoints(
+            f"there are more than {limits.greatest_points} rows: send the points that the survey sees",
+            greatest_points=limits.greatest_points,
+        )
     points: list[ControlPoint] = []
     errors: list[RowError] = []
+    known = _Known()
     for row, record in enumerate(records, start=1):
         read = _point_of_record(row, record, family, limits)
         if isinstance(read, RowError):
             errors.append(read)
         else:
             points.append(read)
-            errors.extend(_repeated(row, points))
+            errors.extend(known.repeated(row, read))
     if errors:
         shown = "; ".join(str(error) for error in errors[:ROWS_SHOWN])
         more = f"; and {len(errors) - ROWS_SHOWN} more" if len(errors) > ROWS_SHOWN else ""
@@ -206,11 +217,21 @@ def _number(value: Any) -> float | None:
     return number if np.isfinite(number) else None
 
 
-def _repeated(row: int, points: Sequence[ControlPoint]) -> list[RowError]:
-    newest, earlier = points[-1], points[:-1]
-    errors = []
-    if any(point.name == newest.name for point in earlier):
-        errors.append(RowError(row, "name", f"{newest.name!r} stands in an earlier row too; names are unique"))
-    if any((point.code, point.cell) == (newest.code, newest.cell) for point in earlier):
-        errors.append(RowError(row, "dot", f"dot {newest.dot} of code {newest.code} stands in an earlier row too"))
-    return errors
+class _Known:
+    """Names and dots of the rows above."""
+
+    def __init__(self) -> None:
+        self._names: set[str] = set()
+        self._dots: set[tuple[int, int | None]] = set()
+
+    def repeated(self, row: int, newest: ControlPoint) -> list[RowError]:
+        """What of a row stands in an earlier one too."""
+        errors = []
+        if newest.name in self._names:
+            errors.append(RowError(row, "name", f"{newest.name!r} stands in an earlier row too; names are unique"))
+        if (newest.code, newest.cell) in self._dots:
+            message = f"dot {newest.dot} of code {newest.code} stands in an earlier row too"
+            errors.append(RowError(row, "dot", message))
+        self._names.add(newest.name)
+        self._dots.add((newest.code, newest.cell))
+        return errors

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from app.services.capture_time import iso_of
 
@@ -15,8 +15,10 @@ def _without_point(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-# Of JSON bodies: true is no number and "4.5" is text. The bounds of
-# a whole number stand beside its strictness, before WHOLE: only from there do they reach the schema.
+MOST_VALUES = 10_000  # of a body: the longest is a build's list of photographs to leave out
+
+# Of JSON bodies: true is no number and "4.5" is text. The bounds of a whole number stand beside its strictness, before
+# WHOLE: only from there do they reach the schema.
 WHOLE = BeforeValidator(_without_point)  # to JSON 3.0 is a whole number
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Truth = Annotated[bool, Field(strict=True)]
@@ -28,6 +30,27 @@ class Body(BaseModel):
     """A request's body; a misspelt field is an error, not a default."""
 
     model_config = ConfigDict(extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_reasonable_size(cls, data: Any) -> Any:
+        """Looked at before its fields are, for each that is wrong takes longer to be told than to be sent."""
+        if _has_more_values(data, MOST_VALUES):
+            raise ValueError(f"has more than {MOST_VALUES} values; no call takes as many")
+        return data
+
+
+def _has_more_values(data: Any, most: int) -> bool:
+    """Whether there are more fields and items than that, at all depths together."""
+    count, waiting = 0, [data]
+    while waiting:
+        item = waiting.pop()
+        parts = item.values() if isinstance(item, dict) else item if isinstance(item, list) else ()
+        count += len(parts)
+        if count > most:
+            return True
+        waiting.extend(parts)
+    return False
 
 
 class Listing(BaseModel):

@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 from uuid import UUID
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Json
+from pydantic import AfterValidator, BaseModel, Field, Json
 
 from app.api.dependencies import Id
-from app.api.schemas.common import WHOLE, Finite, Quaternion, Vector3, numbers_of, time_of
+from app.api.schemas.common import WHOLE, Body, Finite, Quaternion, Vector3, numbers_of, time_of
 from app.api.schemas.texts import Text
 from app.geometry.camera import CalibratedCamera, Camera
 from app.geometry.rotation import photogrammetric_angles_deg
@@ -32,10 +32,8 @@ def _distortion(dist: list[float]) -> list[float]:
     return dist
 
 
-class ClientCamera(BaseModel):
+class ClientCamera(Body):
     """Intrinsics as the client knows them, for one image size."""
-
-    model_config = ConfigDict(extra="forbid")
 
     width_px: Side
     height_px: Side
@@ -43,7 +41,7 @@ class ClientCamera(BaseModel):
     fy: Focal
     cx: Finite
     cy: Finite
-    dist: Annotated[list[Finite], AfterValidator(_distortion)] = []
+    dist: Annotated[list[Finite], AfterValidator(_distortion)] = Field(default_factory=list)
     readout_s: Annotated[Finite | None, Field(ge=0, le=1)] = None
 
     def to_domain(self) -> CalibratedCamera:

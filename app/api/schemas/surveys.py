@@ -129,7 +129,7 @@ class BuildBody(Body):
     exclude: ExclusionBody = ExclusionBody()
     strictness: Literal["strict", "normal", "eager"] = "normal"
     activate: Annotated[Truth, Field(description="Whether snapshots are located in the new map at once.")] = True
-    base_version: VersionNumber | None = Field(None, description="The map that is extended; its datum stands.")
+    base_version: VersionNumber | None = Field(default=None, description="The map that is extended; its datum stands.")
 
     def to_domain(self) -> BuildOptions:
         """The options as services know them."""
