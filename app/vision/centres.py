@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
 
 from app.vision.homography import (
     PLATE_DOTS_U,
-    apply_homographies,
     area_scales,
     fit_homographies,
-    homography_jacobians,
     local_px_per_u,
 )
 from app.vision.inks import InkReading
+from app.vision.kernels.misfits import sum_normalised_squares, to_pixels
+from app.vision.kernels.places import locate_all
 from app.vision.measurement import PlateFits
 
 Array = npt.NDArray[np.float64]
@@ -95,10 +95,10 @@ class DotCentres:
 
     def covariances_px2(self, options: CentreOptions) -> Array:
         """In pixels, shape (P, 16, 2, 2)."""
-        floor_px2, floor_u2 = (
-            floor**2 * np.eye(2) for floor in (options.covariance_floor_px, options.covariance_floor_u)
-        )
-        return self.px_by_u @ (self.covariances_u2 + floor_u2) @ self.px_by_u.swapaxes(-1, -2) + floor_px2
+        covariances_px2 = np.empty_like(self.covariances_u2)
+        floor_u2, floor_px2 = options.covariance_floor_u**2, options.covariance_floor_px**2
+        to_pixels(self.covariances_u2, self.px_by_u, floor_u2, floor_px2, covariances_px2)
+        return covariances_px2
 
 
 def locate_dots(
@@ -112,21 +112,21 @@ def locate_dots(
     chroma. It is found in the plate's own plane, so that a circle's image is compared with a circle and the offset
     between an ellipse's centre and the image of the circle's centre does not arise.
     """
-    amplitudes = fits.amplitudes @ YCC_FROM_BGR.T
-    slopes = fits.slopes @ YCC_FROM_BGR.T
-    power = np.maximum((amplitudes**2).sum(axis=-1), 1.0)
-    offset_u = (slopes * amplitudes[:, :, None]).sum(axis=-1) / power[..., None]
-    near = np.abs(offset_u).max(axis=-1) < options.offset_max_u
-    centres_px = apply_homographies(fits.image_from_plate, PLATE_DOTS_U + np.where(near[..., None], offset_u, 0.0))
-    px_by_u = homography_jacobians(fits.image_from_plate, PLATE_DOTS_U)
-    covariances_u2 = (fits.residual_rms[:, None] ** 2 / power)[..., None, None] * fits.offset_cofactors
-    # A circle's image reaches as far along an image axis as the length of the derivative's row.
-    reach_px = options.border_u * np.hypot(px_by_u[..., 0], px_by_u[..., 1])
-    greatest_px = np.array(size_px) - 1.0
-    inside = np.asarray(((centres_px >= reach_px) & (centres_px <= greatest_px - reach_px)).all(axis=-1))
-    dots = DotCentres(centres_px, covariances_u2, px_by_u, near & inside & inks.coloured, inside)
-    certain = dots.variances_u2() < options.sigma_max_u**2
-    return replace(dots, measured=dots.measured & certain)
+    shape = fits.amplitudes.shape[:2]
+    dots = DotCentres(
+        centres_px=np.empty((*shape, 2)),
+        covariances_u2=np.empty((*shape, 2, 2)),
+        px_by_u=np.empty((*shape, 2, 2)),
+        measured=inks.coloured,
+        inside=np.empty(shape, dtype=np.bool_),
+    )
+    fitted = (fits.image_from_plate, fits.amplitudes, fits.slopes, fits.residual_rms, fits.offset_cofactors)
+    bounds = (options.offset_max_u, options.sigma_max_u, options.border_u)
+    written = (dots.centres_px, dots.covariances_u2, dots.px_by_u, dots.measured, dots.inside)
+    locate_all(
+        tuple(np.ascontiguousarray(part) for part in fitted), (PLATE_DOTS_U, YCC_FROM_BGR), size_px, bounds, written
+    )
+    return dots
 
 
 def refine_homographies(fits: PlateFits, dots: DotCentres, options: CentreOptions = CentreOptions()) -> Array:
@@ -161,11 +161,10 @@ def calibrated_covariances(
     trusted = trusted & (redundancy > 0)
     factor = 1.0
     if trusted.any():
-        measured, centres_px = dots.measured[trusted], dots.centres_px[trusted]
-        residual_px = centres_px - apply_homographies(image_from_plate[trusted], PLATE_DOTS_U)
-        precision = np.linalg.inv(covariances_px2[trusted])
-        squares = np.einsum("pdi,pdij,pdj->pd", residual_px, precision, residual_px)
-        variances = np.where(measured, squares, 0.0).sum(axis=1) / redundancy[trusted]
+        squares = np.empty(len(redundancy))
+        measured = (dots.centres_px, covariances_px2, dots.measured)
+        sum_normalised_squares(np.ascontiguousarray(image_from_plate), PLATE_DOTS_U, measured, squares)
+        variances = squares[trusted] / redundancy[trusted]
         # The median keeps a bent plate from speaking for all.
         weight = redundancy[trusted].sum()
         total = weight + options.prior_redundancy

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from app.targets.layout import BASE_CELLS
 from app.vision.dots import sample_rows
 from app.vision.homography import PLATE_DOTS_U, apply_homographies
-from app.vision.inks import RED
+from app.vision.kernels.inkwell import RED
 from app.vision.measurement import PlateFits
 from app.vision.patches import LINEAR_FROM_CODED
 

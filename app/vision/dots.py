@@ -5,18 +5,22 @@ Colour proposes; the plate fit localises later, so a centre here need only be go
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
+from app.vision.kernels.labels import label_blobs
+from app.vision.kernels.peaks import TILE_COLUMNS, TILE_ROWS
+from app.vision.kernels.redness import measure_redness
+from app.vision.kernels.rings import measure_contrast
+
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
-STRIP_ROWS = 256  # 1.5 MB of a 1080p photograph, 3 MB of 12 megapixels: what stays near a processor core
+PIXEL_VARIANCE_PX2 = 1.0 / 12.0  # of a pixel's own square
 
 
 @dataclass(frozen=True)
@@ -35,17 +39,12 @@ class DotOptions:
     sparse_step_px : int
         White is estimated on every n-th row and column.
     red_floor : int
-        Least excess over that, in grey values of 255: above the noise of dark pixels.
-    smooth_px : int
-        Box that averages the excess: pixel noise must not break a dot or make one.
-    peak_window_px : int
-        A dot ends where its excess falls to half the peak within this width, which holds a small dot and the gap
-        beside it: the edge of a blurred disc, and what parts dots whose skirts touch.
+        Least excess over that of a few pixels' average, in grey values of 255: above the noise of dark pixels.
     ring_axes, ring_points, ring_fraction : float, int, float
         On a ring of this many major semi-axes most of the points have lost the red: the gap between dots reaches from
         1 to 2 radii.
-    contour_points_min, contour_points_max : int
-        Length of a blob's outline, px. The least is a dot of 2 px by 4 px; the greatest one of 250 px.
+    area_px2 : tuple of int
+        Least and greatest number of a blob's pixels: a dot of 2 px by 4 px, and one of 250 px.
     blobs_max : int
         The strongest are kept: 6,000 make 1,200 targets, and bound the time that a hostile picture can take.
     axis_ratio_max : float
@@ -57,13 +56,10 @@ class DotOptions:
     red_gain: tuple[float, float] = (0.6, 1.3)
     sparse_step_px: int = 24
     red_floor: int = 12
-    smooth_px: int = 3
-    peak_window_px: int = 7
     ring_axes: float = 1.7
     ring_points: int = 8
     ring_fraction: float = 0.35
-    contour_points_min: int = 7
-    contour_points_max: int = 800
+    area_px2: tuple[int, int] = (6, 50_000)
     blobs_max: int = 6000
     axis_ratio_max: float = 6.0
 
@@ -88,67 +84,35 @@ class Blobs:
 
 def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
     """Blobs of red pixels in a photograph of shape (H, W, 3)."""
-    excess, mask = _red_pictures(bgr, options)
-    outlines, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
-    least, most = options.contour_points_min, options.contour_points_max
-    outlines = [outline for outline in outlines if least <= len(outline) <= most]
-    if not outlines:
-        return Blobs(np.empty((0, 2)), np.empty((0, 2)))
-    centres_px, semi_axes_px = _ellipses(outlines)
-    keep = semi_axes_px[:, 0] <= options.axis_ratio_max * semi_axes_px[:, 1]
-    contrast = _ring_contrast(excess, centres_px, semi_axes_px, options)
-    kept = np.flatnonzero(keep & (contrast > 0))
-    strongest = kept[np.argsort(-contrast[kept], kind="stable")[: options.blobs_max]]
+    redness, hot = _redness(bgr, options)
+    moments = label_blobs(redness, hot, np.uint8(options.red_floor))
+    least, most = options.area_px2
+    centres_px, semi_axes_px = _ellipses(moments[(moments[:, 0] >= least) & (moments[:, 0] <= most)])
+    round_enough = semi_axes_px[:, 0] <= options.axis_ratio_max * semi_axes_px[:, 1]
+    centres_px, semi_axes_px = centres_px[round_enough], semi_axes_px[round_enough]
+    contrast = np.empty(len(centres_px))
+    reach_px = options.ring_axes * semi_axes_px[:, 0]
+    measure_contrast(redness, centres_px, reach_px, unit_circle(options.ring_points), options.ring_fraction, contrast)
+    strongest = np.argsort(-contrast, kind="stable")[: options.blobs_max]
+    strongest = strongest[contrast[strongest] > 0]
     return Blobs(centres_px[strongest], semi_axes_px[strongest])
 
 
-def _red_pictures(bgr: Pixels, options: DotOptions) -> tuple[Pixels, Pixels]:
-    """How much redder than grey each pixel is, and 255 where it belongs to the upper half of its own peak; both (H, W).
-
-    Strip by strip, so that each step finds the last one's result in the processor's cache.
-    """
-    gain = _red_gain(bgr, options)
-    height = len(bgr)
-    excess, mask = np.empty((2, *bgr.shape[:2]), dtype=np.uint8)
-    halo = options.smooth_px // 2 + options.peak_window_px // 2
-    for first in range(0, height, STRIP_ROWS):
-        last = min(first + STRIP_ROWS, height)
-        above, below = max(first - halo, 0), min(last + halo, height)
-        strip = _red_excess(bgr[above:below], gain, options)
-        inner = slice(first - above, last - above)
-        excess[first:last] = strip[inner]
-        mask[first:last] = _upper_half(strip, options)[inner]
-    return excess, mask
+def _redness(bgr: Pixels, options: DotOptions) -> tuple[Pixels, Pixels]:
+    """How much redder than grey each pixel is, shape (H, W), and which tiles hold some, shape (H / 16, W / 64)."""
+    height, width = bgr.shape[:2]
+    redness = np.empty((height, width), dtype=np.uint8)
+    hot = np.empty((-(-height // TILE_ROWS), -(-width // TILE_COLUMNS)), dtype=np.uint8)
+    gain, ratio = np.float32(_red_gain(bgr, options)), np.float32(options.red_ratio)
+    measure_redness(np.ascontiguousarray(bgr), gain, ratio, np.uint8(options.red_floor), redness, hot)
+    return redness, hot
 
 
-def _red_excess(bgr: Pixels, gain: float, options: DotOptions) -> Pixels:
-    """How much redder than grey each pixel is, shape (H, W); 0 for all that is not red."""
-    blue, green, red = cv2.split(bgr)
-    # Saturating arithmetic: all that is not red is 0.
-    excess = cv2.addWeighted(red, gain, cv2.max(green, blue), -options.red_ratio, 0.0)
-    return np.asarray(cv2.blur(excess, (options.smooth_px, options.smooth_px)), dtype=np.uint8)
-
-
-def _upper_half(excess: Pixels, options: DotOptions) -> Pixels:
-    """255 where a pixel belongs to the upper half of its own peak, shape (H, W)."""
-    window = np.ones((options.peak_window_px, options.peak_window_px), dtype=np.uint8)
-    # More than half the peak: more than what it lacks to the peak. OpenCV does this at the speed of memory.
-    lacking = cv2.subtract(cv2.dilate(excess, window), excess)
-    floor = np.full(excess.shape, options.red_floor, dtype=np.uint8)
-    return np.asarray(cv2.compare(excess, cv2.max(lacking, floor), cv2.CMP_GT), dtype=np.uint8)
-
-
-def _ring_contrast(excess: Pixels, centres_px: Array, semi_axes_px: Array, options: DotOptions) -> Array:
-    """By how much the red ends around each blob, shape (N,), grey values; not positive where it hardly does.
-
-    It ends on a plate's black; the grains of a brownish surface stand on more of the same.
-    """
-    angle = np.linspace(0.0, 2.0 * np.pi, options.ring_points, endpoint=False)
-    circle = np.vstack([np.zeros((1, 2)), np.stack([np.cos(angle), np.sin(angle)], axis=1)])
-    points_px = centres_px[:, None] + options.ring_axes * semi_axes_px[:, None, :1] * circle
-    values = sample_rows(excess, points_px)
-    result: Array = options.ring_fraction * values[:, 0] - np.median(values[:, 1:], axis=1)
-    return result
+@cache
+def unit_circle(count: int) -> Array:
+    """Points of a unit circle, shape (count, 2)."""
+    angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 def sample_rows(pixels: Pixels, points_px: Array) -> Array:
@@ -169,16 +133,12 @@ def _red_gain(bgr: Pixels, options: DotOptions) -> float:
     return float(np.clip(max(blue, green, 1.0) / max(red, 1.0), *options.red_gain))
 
 
-def _ellipses(outlines: Sequence[npt.NDArray[Any]]) -> tuple[Array, Array]:
-    """Centres and semi-axes from the moments of the outlines' points, all at once."""
-    counts = np.array([len(outline) for outline in outlines])
-    points_px = np.concatenate(outlines).reshape(-1, 2).astype(np.float64)
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    centres_px = np.add.reduceat(points_px, starts) / counts[:, None]
-    offset_px = points_px - np.repeat(centres_px, counts, axis=0)
-    products = np.stack([offset_px[:, 0] ** 2, offset_px[:, 1] ** 2, offset_px[:, 0] * offset_px[:, 1]], axis=1)
-    xx, yy, xy = (np.add.reduceat(products, starts) / counts[:, None]).T
-    mean, spread = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
-    # Points on an ellipse have a variance of half its squared semi-axis; pixels reach half a pixel past their centres.
-    semi_axes_px = np.sqrt(2.0 * np.maximum(np.stack([mean + spread, mean - spread], axis=1), 0.0)) + 0.5
-    return centres_px, semi_axes_px
+def _ellipses(moments: Array) -> tuple[Array, Array]:
+    """Centres and semi-axes, each of shape (N, 2), from moments of shape (N, 6)."""
+    count, x, y, xx, yy, xy = moments.T
+    centre_x, centre_y = x / count, y / count
+    xx, yy, xy = xx / count - centre_x**2, yy / count - centre_y**2, xy / count - centre_x * centre_y
+    mean, spread = (xx + yy) / 2.0 + PIXEL_VARIANCE_PX2, np.hypot((xx - yy) / 2.0, xy)
+    # A filled ellipse has a variance of a quarter of its squared semi-axis.
+    semi_axes_px = 2.0 * np.sqrt(np.stack([mean + spread, mean - spread], axis=1))
+    return np.stack([centre_x, centre_y], axis=1), semi_axes_px

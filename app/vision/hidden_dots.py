@@ -7,13 +7,14 @@ relation; the fifth follows from them. The template fit that comes after takes u
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations, permutations
+from itertools import permutations
 
 import numpy as np
 import numpy.typing as npt
 
 from app.vision.dots import Blobs
-from app.vision.grouping import GroupingOptions, neighbours_of_like_size
+from app.vision.grouping import GroupingOptions, nearest_of_like_size
+from app.vision.kernels.fours import find_fours, match_relations
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
@@ -58,14 +59,19 @@ class _Cases:
         The hidden role.
     seen : ndarray of shape (120, 4)
         The role of each of the four blobs.
-    relations, predictions : ndarray of shape (120, 4)
-        Weights of the four blobs; a relation's greatest weight is 1.
+    predictions : ndarray of shape (120, 4)
+        Weights of the four blobs.
+    relations : ndarray of shape (R, 4)
+        Weights of the four blobs, the greatest of them 1: fewer than cases, for several have one in common.
+    of_relation : tuple of ndarray
+        The cases of each relation.
     """
 
     hidden: Indices
     seen: Indices
-    relations: Array
     predictions: Array
+    relations: Array
+    of_relation: tuple[Indices, ...]
 
 
 def _all_cases() -> _Cases:
@@ -76,10 +82,12 @@ def _all_cases() -> _Cases:
     ]
     seen = np.array([roles for _, roles in rows], dtype=np.intp)
     relations = np.array([np.array(missing.relation, dtype=np.float64)[roles] for missing, roles in rows])
+    distinct, number = np.unique(relations / np.abs(relations).max(axis=1, keepdims=True), axis=0, return_inverse=True)
     return _Cases(
         hidden=np.array([missing.role for missing, _ in rows], dtype=np.intp),
         seen=seen,
-        relations=relations / np.abs(relations).max(axis=1, keepdims=True),
+        relations=distinct,
+        of_relation=tuple(np.flatnonzero(number == relation) for relation in range(len(distinct))),
         predictions=np.array([np.array(missing.prediction, dtype=np.float64)[roles] for missing, roles in rows]),
     )
 
@@ -131,8 +139,13 @@ def complete_groups(
     pool = Blobs(blobs.centres_px[chosen], blobs.semi_axes_px[chosen])
     if len(pool) < 4:
         return blobs, np.empty((0, 5), dtype=np.intp)
-    fours = _near_fours(pool, options)
-    four, case = np.nonzero(_related(pool, fours, options))
+    nearest = nearest_of_like_size(pool, GroupingOptions(neighbours=options.neighbours))
+    fours = find_fours(pool.centres_px, pool.semi_axes_px, nearest, options.extent_axes)
+    matches = match_relations(
+        pool.centres_px, pool.semi_axes_px, fours, CASES.relations, options.relation_max_axes
+    )
+    case = np.concatenate([CASES.of_relation[relation] for _, relation in matches] or [matches[:0, 0]])
+    four = np.repeat(matches[:, 0], [len(CASES.of_relation[relation]) for _, relation in matches])
     seen, hidden = CASES.seen[case], CASES.hidden[case]
     count = len(four)
     groups = np.empty((count, 5), dtype=np.intp)
@@ -142,23 +155,3 @@ def complete_groups(
     semi_axes_px = pool.semi_axes_px[fours[four]].mean(axis=1)
     extended = Blobs(np.concatenate([blobs.centres_px, centres_px]), np.concatenate([blobs.semi_axes_px, semi_axes_px]))
     return extended, groups
-
-
-def _near_fours(pool: Blobs, options: HiddenDotOptions) -> Indices:
-    """Sets of four blobs of like size that stand together, shape (M, 4), each set once."""
-    nearest, alike = neighbours_of_like_size(pool, GroupingOptions(neighbours=options.neighbours))
-    slots = np.array(list(combinations(range(options.neighbours), 3)))
-    anchor = np.repeat(np.arange(len(pool)), len(slots))
-    fours = np.column_stack([anchor, nearest[:, slots].reshape(-1, 3)])[alike[:, slots].all(axis=2).ravel()]
-    fours = np.unique(np.sort(fours, axis=1), axis=0)
-    corners_px = pool.centres_px[fours]
-    extent_px = np.linalg.norm(corners_px.max(axis=1) - corners_px.min(axis=1), axis=1)
-    return fours[extent_px < options.extent_axes * pool.semi_axes_px[fours, 0].mean(axis=1)]
-
-
-def _related(pool: Blobs, fours: Indices, options: HiddenDotOptions) -> npt.NDArray[np.bool_]:
-    """In which cases each four satisfies the affine relation of the roles it would play, shape (M, 120)."""
-    gap_px = np.linalg.norm(np.einsum("qr,mrc->mqc", CASES.relations, pool.centres_px[fours]), axis=2)
-    radius_px = pool.semi_axes_px[fours, 0].mean(axis=1)
-    result: npt.NDArray[np.bool_] = gap_px < options.relation_max_axes * radius_px[:, None]
-    return result

@@ -8,19 +8,18 @@ over-exposure brings white down to (1, 1).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.homography import CORNER_DOT_U, PLATE_DOTS_U
+from app.vision.kernels.inkwell import BLACK_DIGIT, read_plates_inks
 
 Array = npt.NDArray[np.float64]
 
 BASE, DIGITS = list(BASE_CELLS), list(DIGIT_CELLS)
-BLUE, GREEN, RED = 0, 1, 2
-BLACK_DIGIT, GREEN_DIGIT, WHITE_DIGIT, HIDDEN_DIGIT = 0, 1, 2, -1
 
 
 def level_from_base() -> Array:
@@ -98,35 +97,13 @@ class InkReading:
 
 def read_inks(amplitudes: Array, options: InkOptions = InkOptions()) -> InkReading:
     """Read plates whose dots have amplitudes of shape (P, 16, 3), blue, green, red."""
-    red_base = _red_base(amplitudes[:, BASE], options)
-    red_level = _red_level(amplitudes[:, BASE, RED], red_base)
-    relative = amplitudes[:, DIGITS] / red_level[:, DIGITS, None]
-    red, green = relative[..., RED], relative[..., GREEN]
-    is_bright = red > options.white_red
-    is_green = ~is_bright & (green > options.green_green)
-    digits = np.where(is_bright, WHITE_DIGIT, np.where(is_green, GREEN_DIGIT, BLACK_DIGIT)).astype(np.int8)
-    hidden = is_bright & (green < options.white_green_min)
-    hidden |= (np.maximum(red, green) > options.white_max) | (np.minimum(red, green) < options.dark_min)
-    digits[hidden] = HIDDEN_DIGIT
-    from_red = np.abs(red - options.white_red) / options.white_red
-    from_green = np.abs(green - options.green_green) / options.green_green
-    confidence = np.where(is_bright, from_red, np.minimum(from_red, from_green))
-    return InkReading(red_base, digits, confidence, red_level)
-
-
-def _red_base(base: Array, options: InkOptions) -> npt.NDArray[np.bool_]:
-    """Which base dots are red, shape (P, 5), by amplitudes of shape (P, 5, 3)."""
-    red = base[..., RED]
-    bright = red > options.base_red_min * np.median(red, axis=1, keepdims=True)
-    result: npt.NDArray[np.bool_] = base[..., :RED].max(axis=2) <= options.base_off_red_max * np.maximum(red, 1.0)
-    return result & bright
-
-
-def _red_level(base_red: Array, red_base: npt.NDArray[np.bool_]) -> Array:
-    """Red amplitude over the plate, shape (P, 16): a plane through the five base dots, kept within their range."""
-    # What covers a base dot says nothing of the light on the others.
-    base_red = np.where(red_base, base_red, np.median(base_red, axis=1, keepdims=True))
-    level = base_red @ LEVEL_FROM_BASE.T
-    least, most = base_red.min(axis=1, keepdims=True), base_red.max(axis=1, keepdims=True)
-    result: Array = np.maximum(np.clip(level, least, most), 1.0)  # 1 grey value: plates without red are refused anyway
-    return result
+    count = len(amplitudes)
+    reading = InkReading(
+        red_base=np.empty((count, len(BASE)), dtype=np.bool_),
+        digits=np.empty((count, len(DIGITS)), dtype=np.int8),
+        confidence=np.empty((count, len(DIGITS))),
+        red_level=np.empty((count, len(PLATE_DOTS_U))),
+    )
+    written = (reading.red_base, reading.digits, reading.confidence, reading.red_level)
+    read_plates_inks(np.ascontiguousarray(amplitudes), LEVEL_FROM_BASE, astuple(options), written)
+    return reading

@@ -9,8 +9,11 @@ import numpy.typing as npt
 
 from app.targets.layout import BASE_CELLS
 from app.vision.centres import HOMOGRAPHY_PARAMETERS, DotCentres
-from app.vision.homography import PLATE_DOTS_U, apply_homographies
-from app.vision.inks import RED, InkReading
+from app.vision.homography import PLATE_DOTS_U
+from app.vision.inks import InkReading
+from app.vision.kernels.inkwell import RED
+from app.vision.kernels.claims import keep_apart
+from app.vision.kernels.misfits import sum_squares
 from app.vision.measurement import PlateFits
 
 Array = npt.NDArray[np.float64]
@@ -140,8 +143,8 @@ def lacks_red(fits: PlateFits, inks: InkReading, options: JudgementOptions = Jud
 
 def misfit_px(dots: DotCentres, image_from_plate: Array) -> Array:
     """Root mean square per coordinate of the measured dots about their homographies, shape (P,), px."""
-    residual_px = dots.centres_px - apply_homographies(image_from_plate, PLATE_DOTS_U)
-    squares = np.where(dots.measured[..., None], residual_px**2, 0.0).sum(axis=(1, 2))
+    squares = np.empty(len(image_from_plate))
+    sum_squares(np.ascontiguousarray(image_from_plate), PLATE_DOTS_U, dots.centres_px, dots.measured, squares)
     # A plate with few dots has little left to disagree.
     redundancy = np.maximum(2 * dots.measured.sum(axis=1) - HOMOGRAPHY_PARAMETERS, 1)
     result: Array = np.sqrt(squares / redundancy)
@@ -157,11 +160,7 @@ def one_dot_one_target(groups: npt.NDArray[np.intp], quality: Array) -> npt.NDAr
         Blob indices, -1 for a dot that was not seen.
     quality : ndarray of shape (G,)
     """
-    taken: set[int] = set()
-    kept = []
-    for group in np.argsort(-quality, kind="stable"):
-        blobs = {int(blob) for blob in groups[group] if blob >= 0}
-        if not taken & blobs:
-            taken |= blobs
-            kept.append(group)
-    return np.array(kept, dtype=np.intp)
+    kept = np.empty(len(groups), dtype=np.int64)
+    order = np.argsort(-quality, kind="stable")
+    count = keep_apart(np.ascontiguousarray(groups), order, kept)
+    return kept[:count]

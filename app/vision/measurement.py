@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from app.targets.layout import DOT_COUNT
 from app.vision.homography import local_px_per_u
-from app.vision.patches import CHANNELS, Patches, Pyramid, take_patches
-from app.vision.template import BACKGROUND, COEFFICIENTS, PER_DOT, PatchGrid, plate_template
+from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, COEFFICIENTS, measure_power, sort_coefficients
+from app.vision.patches import Patches, Pyramid, take_patches
+from app.vision.template import PAPER_RIDGE, PatchGrid, plate_template
 
 Array = npt.NDArray[np.float64]
 
@@ -110,33 +111,27 @@ def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
         Standard deviation of the blur in the photograph's own pixels.
     """
     plates, _, count = patches.samples.shape
-    coefficients = np.empty((plates, CHANNELS, COEFFICIENTS))
-    sums = np.empty((plates, CHANNELS))
-    explained_power = np.empty(plates)
+    right, solved = np.empty((2, plates, CHANNELS, COEFFICIENTS))
     cofactors = np.empty((plates, DOT_COUNT, 2, 2))
     levels = patches.levels(blur_px)
     for level in np.unique(levels):
         template, chosen = plate_template(patches.grid, int(level)), np.flatnonzero(levels == level)
         # One product for all plates and channels.
-        right_hand = (patches.samples[chosen].reshape(-1, count) @ template.design).astype(np.float64)
-        solved = right_hand @ template.cofactors
-        gained = (solved * (2.0 * right_hand - solved @ template.normals)).sum(axis=1)
-        coefficients[chosen] = solved.reshape(-1, CHANNELS, COEFFICIENTS)
-        explained_power[chosen] = gained.reshape(-1, CHANNELS).sum(axis=1)
-        # The background's constant column is 1 everywhere, so its product is the sum of the samples.
-        sums[chosen] = right_hand[:, BACKGROUND.start].reshape(-1, CHANNELS)
+        products = (patches.samples[chosen].reshape(-1, count) @ template.design).astype(np.float64)
+        right[chosen] = products.reshape(-1, CHANNELS, COEFFICIENTS)
+        solved[chosen] = (products @ template.cofactors).reshape(-1, CHANNELS, COEFFICIENTS)
         cofactors[chosen] = template.offset_cofactors
-    flat = patches.samples.reshape(plates, CHANNELS * count)
-    power = np.einsum("ps,ps->p", flat, flat).astype(np.float64)
-    spread = power - (sums**2).sum(axis=1) / count
-    dots = coefficients[:, :, : BACKGROUND.start].reshape(plates, CHANNELS, DOT_COUNT, PER_DOT)
+    rms = np.empty((plates, 2))
+    measure_power(patches.samples, right, solved, PAPER_RIDGE * count, rms)
+    amplitudes, slopes = np.empty((plates, DOT_COUNT, CHANNELS)), np.empty((plates, DOT_COUNT, 2, CHANNELS))
+    sort_coefficients(solved, amplitudes, slopes)
     return PlateFits(
         image_from_plate=patches.image_from_plate,
         px_per_u=patches.px_per_u,
-        amplitudes=dots[..., 0].transpose(0, 2, 1),
-        slopes=dots[..., 1:].transpose(0, 2, 3, 1),
-        background=coefficients[:, :, BACKGROUND.start],
-        residual_rms=np.sqrt(np.maximum(power - explained_power, 0.0) / (CHANNELS * count)),
-        spread_rms=np.sqrt(np.maximum(spread, 0.0) / (CHANNELS * count)),
+        amplitudes=amplitudes,
+        slopes=slopes,
+        background=solved[:, :, BACKGROUND],
+        residual_rms=rms[:, 0],
+        spread_rms=rms[:, 1],
         offset_cofactors=cofactors,
     )

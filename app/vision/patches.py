@@ -9,28 +9,30 @@ import numpy as np
 import numpy.typing as npt
 
 from app.vision.homography import local_px_per_u
+from app.vision.kernels.coefficients import CHANNELS
+from app.vision.kernels.sampling import LIGHT_STEPS, sample_plates
 from app.vision.template import PatchGrid, blur_level
 
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 Pixels = npt.NDArray[np.uint8]
 
-CHANNELS = 3
 # Variance, in its own pixels, that a pixel adds to a picture: its box, and the triangle of bilinear sampling.
 PIXEL_VARIANCE = 1.0 / 12.0 + 1.0 / 6.0
 
 
-def linear_from_coded() -> Array32:
-    """Linear light, 0 ... 255, of sRGB-coded grey values: blur is linear in light, and so are ink and illumination.
+def linear_from_coded(steps: int) -> Array32:
+    """Linear light, 0 ... 255, of sRGB-coded grey values in so many steps each: blur is linear in light, and so is ink.
 
     Phones' tone curves differ from sRGB's, but all of them widen bright dots on black, which this undoes.
     """
-    coded = np.arange(256) / 255.0
+    coded = np.linspace(0.0, 1.0, 255 * steps + 1)
     linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
     return (255.0 * linear).astype(np.float32)
 
 
-LINEAR_FROM_CODED = linear_from_coded()
+LINEAR_FROM_CODED = linear_from_coded(1)
+FINE_LINEAR_FROM_CODED = linear_from_coded(LIGHT_STEPS)
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Pyramid:
     @classmethod
     def of(cls, bgr: Pixels, count: int) -> Pyramid:
         """Build ``count`` levels, or as many as leave a pixel."""
-        levels = [bgr]
+        levels: list[Pixels] = [np.ascontiguousarray(bgr)]
         while len(levels) < count and min(levels[-1].shape[:2]) >= 2:
             # Whole blocks of 2 x 2 only: an odd last row or column would shift the grid.
             even = levels[-1][: levels[-1].shape[0] // 2 * 2, : levels[-1].shape[1] // 2 * 2]
@@ -105,21 +107,10 @@ def take_patches(pyramid: Pyramid, image_from_plate: Array, grid: PatchGrid) -> 
     px_per_u = local_px_per_u(image_from_plate)
     halvings = np.ceil(np.log2(np.maximum(px_per_u / grid.px_per_u_max, 1.0))).astype(np.int64)
     halvings = np.minimum(halvings, len(pyramid.levels) - 1)
-    homogeneous = grid.homogeneous_u()
-    samples = np.empty((len(image_from_plate), CHANNELS, len(homogeneous)), dtype=np.float32)
+    samples = np.empty((len(image_from_plate), CHANNELS, grid.value**2), dtype=np.float32)
     for halving in np.unique(halvings):
-        chosen = np.flatnonzero(halvings == halving)
-        level_from_plate = (_level_from_image(halving) @ image_from_plate[chosen]).astype(np.float32)
-        x, y, w = (level_from_plate @ homogeneous.T).transpose(1, 0, 2)
-        level = pyramid.levels[halving]
-        coded = cv2.remap(level, x / w, y / w, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        samples[chosen] = cv2.LUT(coded, LINEAR_FROM_CODED).transpose(0, 2, 1)
+        chosen, level = np.flatnonzero(halvings == halving), pyramid.levels[halving]
+        factor = float(0.5**halving)
+        sample_plates(level, image_from_plate, chosen, factor, grid.axis_u(), FINE_LINEAR_FROM_CODED, samples)
     pixel_px2 = (4.0 ** halvings.astype(np.float64) - 1.0) * PIXEL_VARIANCE
     return Patches(samples, image_from_plate, px_per_u, pixel_px2, grid)
-
-
-def _level_from_image(halving: np.int64) -> Array:
-    """Pixel centres stand at integers: the centre of a halved pixel lies between those of its parts."""
-    factor = 0.5**halving
-    shift = 0.5 * factor - 0.5
-    return np.array([[factor, 0.0, shift], [0.0, factor, shift], [0.0, 0.0, 1.0]])

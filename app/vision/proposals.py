@@ -7,20 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from app.targets.layout import BASE_CELLS, PLATE_SIDE_U
-from app.vision.dots import Blobs, sample_rows
-from app.vision.homography import (
-    PLATE_DOTS_U,
-    apply_homographies,
-    image_from_corner_dots,
-    local_px_per_u,
-)
+from app.targets.layout import BASE_CELLS
+from app.vision.dots import Blobs
+from app.vision.homography import PLATE_DOTS_U
+from app.vision.kernels.gaps import weigh_groups
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 Pixels = npt.NDArray[np.uint8]
-
-RED_CHANNEL = 2
 
 
 @dataclass(frozen=True)
@@ -67,59 +61,19 @@ BASE_U = PLATE_DOTS_U[list(BASE_CELLS)]
 
 
 def promising(bgr: Pixels, blobs: Blobs, groups: Indices, options: ProposalOptions = ProposalOptions()) -> Indices:
-    """The groups, shape (G', 5), that pass; ``groups`` holds A, B, C, D, E as blob indices."""
-    groups = groups[_convex(blobs.centres_px[groups[:, :4]])]
-    if not len(groups):
-        return groups
-    image_from_plate = image_from_corner_dots(blobs.centres_px[groups[:, :4]])
-    in_front = _in_front(image_from_plate, options)
-    groups, image_from_plate = groups[in_front], image_from_plate[in_front]
-    groups = groups[_sizes_agree(image_from_plate, blobs, groups, options)]
-    if not len(groups):
-        return groups
-    contrast = _black_between(bgr, blobs.centres_px[groups], options)
+    """The groups, shape (G', 5), that pass, strongest first; ``groups`` holds A, B, C, D, E as blob indices."""
+    bounds = (
+        options.depth_ratio_max,
+        options.e_offset_u,
+        options.e_offset_px,
+        *options.size_ratio,
+        options.dark_fraction,
+        float(options.dark_gaps_min),
+        options.red_contrast_min,
+    )
+    radii_px = np.sqrt(blobs.semi_axes_px[:, 0] * blobs.semi_axes_px[:, 1])
+    contrast = np.empty(len(groups))
+    base_px, base_radii_px = (np.ascontiguousarray(part[groups]) for part in (blobs.centres_px, radii_px))
+    weigh_groups(np.ascontiguousarray(bgr), base_px, base_radii_px, GAPS_U, bounds, contrast)
     strongest = np.argsort(-contrast, kind="stable")[: options.proposals_max]
     return groups[strongest[contrast[strongest] > 0]]
-
-
-def _convex(corners_px: Array) -> npt.NDArray[np.bool_]:
-    """Whether A, B, C, D turn clockwise at every corner: five dots in the other order are not a target."""
-    side = np.roll(corners_px, -1, axis=1) - corners_px
-    following = np.roll(side, -1, axis=1)
-    turn = side[..., 0] * following[..., 1] - side[..., 1] * following[..., 0]
-    return np.asarray((turn > 0).all(axis=1))
-
-
-def _in_front(image_from_plate: Array, options: ProposalOptions) -> npt.NDArray[np.bool_]:
-    """Whether the whole plate is in front of the camera, and its depth varies as a plate's can."""
-    edges_u = PLATE_SIDE_U / 2.0 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    depth = image_from_plate[:, 2, :2] @ edges_u.T + image_from_plate[:, 2, 2:]
-    result: npt.NDArray[np.bool_] = depth.min(axis=1) * options.depth_ratio_max > depth.max(axis=1)
-    return result & (depth.min(axis=1) > 0)
-
-
-def _sizes_agree(
-    image_from_plate: Array, blobs: Blobs, groups: Indices, options: ProposalOptions
-) -> npt.NDArray[np.bool_]:
-    """Whether E is where the corners say, and the blobs are as large as the plate says."""
-    px_per_u = local_px_per_u(image_from_plate)
-    e_px = apply_homographies(image_from_plate, BASE_U[4:])[:, 0]
-    offset_px = np.linalg.norm(e_px - blobs.centres_px[groups[:, 4]], axis=1)
-    e_agrees = offset_px < options.e_offset_u * px_per_u + options.e_offset_px
-    radius_px = np.sqrt(blobs.semi_axes_px.prod(axis=1))
-    ratio = np.median(radius_px[groups], axis=1) / px_per_u
-    result: npt.NDArray[np.bool_] = e_agrees & (ratio > options.size_ratio[0]) & (ratio < options.size_ratio[1])
-    return result
-
-
-def _black_between(bgr: Pixels, base_px: Array, options: ProposalOptions) -> Array:
-    """Red between the dots and the gaps, shape (G,), grey values; 0 where the gaps are not black."""
-    gaps_px = apply_homographies(image_from_corner_dots(base_px[:, :4]), GAPS_U)
-    red = sample_rows(bgr, np.concatenate([base_px, gaps_px], axis=1))[..., RED_CHANNEL]
-    dots, gaps = red[:, :5], np.sort(red[:, 5:], axis=1)
-    lit, black = np.median(dots, axis=1), gaps[:, len(GAPS_U) // 4]
-    border = black + options.dark_fraction * (lit - black)
-    dark = (gaps < border[:, None]).sum(axis=1)
-    contrast = lit - black
-    stands = (dark >= options.dark_gaps_min) & (contrast > options.red_contrast_min)
-    return np.where(stands, contrast, 0.0)

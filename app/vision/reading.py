@@ -13,7 +13,8 @@ from app.targets.digits import Codes, digits_of_codes
 from app.targets.family import UNDECODABLE, CodeFamily
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS, DOT_COUNT
 from app.vision.centres import DotCentres
-from app.vision.inks import HIDDEN_DIGIT, InkReading
+from app.vision.inks import InkReading
+from app.vision.kernels.inkwell import HIDDEN_DIGIT
 from app.vision.judgement import COLOUR_REASONS, REASON_TEXT, Judgement
 from app.vision.measurement import PlateFits
 

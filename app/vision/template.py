@@ -18,6 +18,7 @@ from scipy.special import erf, ive
 
 from app.targets.layout import DOT_COUNT, DOT_RADIUS_U, PLATE_SIDE_U
 from app.vision.homography import PLATE_DOTS_U
+from app.vision.kernels.coefficients import COEFFICIENTS, PAPER, PER_DOT
 
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
@@ -26,10 +27,6 @@ PATCH_REACH_U = 6.4  # up to the plate's edge (6.5): beyond it stands whatever t
 BLUR_STEP_U = 0.03  # templates are kept at multiples of this blur: half a step changes a dot's amplitude by 1 %
 BLUR_LEVELS = (3, 30)
 
-# Coefficients: per dot the disc and its derivatives, then background (constant, x, y), then paper (constant, x, y).
-PER_DOT = 3
-BACKGROUND = slice(PER_DOT * DOT_COUNT, PER_DOT * DOT_COUNT + 3)
-COEFFICIENTS = PER_DOT * DOT_COUNT + 6
 PAPER_RIDGE = 1e-3  # the paper enters a patch by blur alone; without blur its columns vanish
 
 
@@ -49,16 +46,15 @@ class PatchGrid(Enum):
         return {PatchGrid.ROUGH: np.inf, PatchGrid.FINE: 4.8, PatchGrid.DENSE: 9.0}[self]
 
     @cache
-    def points_u(self) -> Array:
-        """Plate coordinates, shape (S, 2), of a patch's samples."""
-        axis = np.linspace(-PATCH_REACH_U, PATCH_REACH_U, self.value)
-        x, y = np.meshgrid(axis, axis)
-        return np.stack([x.ravel(), y.ravel()], axis=1)
+    def axis_u(self) -> Array:
+        """Coordinates, shape (value,), of a patch's columns, and of its rows."""
+        return np.linspace(-PATCH_REACH_U, PATCH_REACH_U, self.value)
 
     @cache
-    def homogeneous_u(self) -> Array32:
-        """The same with a third coordinate 1, shape (S, 3), float32."""
-        return np.column_stack([self.points_u(), np.ones(self.value**2)]).astype(np.float32)
+    def points_u(self) -> Array:
+        """Plate coordinates, shape (S, 2), of a patch's samples."""
+        x, y = np.meshgrid(self.axis_u(), self.axis_u())
+        return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
 @dataclass(frozen=True)
@@ -69,14 +65,13 @@ class PlateTemplate:
     ----------
     design : ndarray of shape (S, 54), float32
         Takes the coefficients to the model's samples; its transpose takes samples to the normal equations.
-    normals, cofactors : ndarray of shape (54, 54)
-        The normal matrix, and the inverse of it with the paper's ridge.
+    cofactors : ndarray of shape (54, 54)
+        The inverse of the normal matrix with the paper's ridge.
     offset_cofactors : ndarray of shape (16, 2, 2)
         Cofactor matrix of each dot's two derivative coefficients.
     """
 
     design: Array32
-    normals: Array
     cofactors: Array
     offset_cofactors: Array
 
@@ -98,13 +93,11 @@ def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:
     dots = np.concatenate([disc[..., None], slope], axis=-1).reshape(len(samples_u), -1)
     plane = np.column_stack([np.ones(len(samples_u)), samples_u / PATCH_REACH_U])
     design = np.hstack([dots, plane, plane * _paper(samples_u, blur_u)[:, None]])
-    ridge = np.zeros(COEFFICIENTS)
-    ridge[BACKGROUND.stop :] = PAPER_RIDGE * len(samples_u)
-    normals = design.T @ design
-    cofactors = np.linalg.inv(normals + np.diag(ridge))
+    ridge = PAPER_RIDGE * len(samples_u)
+    cofactors = np.linalg.inv(design.T @ design + np.diag(np.where(np.arange(COEFFICIENTS) < PAPER, 0.0, ridge)))
     first = PER_DOT * np.arange(DOT_COUNT)[:, None, None] + 1
     offset_cofactors = cofactors[first + np.arange(2)[:, None], first + np.arange(2)]
-    return PlateTemplate(design.astype(np.float32), normals, cofactors, offset_cofactors)
+    return PlateTemplate(design.astype(np.float32), cofactors, offset_cofactors)
 
 
 def blurred_disc(radius_u: Array, blur_u: float) -> tuple[Array, Array]:

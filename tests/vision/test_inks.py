@@ -10,7 +10,8 @@ from app.planning.scene import Lamp, Scene
 from app.targets.digits import digits_of_code
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.homography import PLATE_DOTS_U
-from app.vision.inks import BASE, DIGITS, GREEN, HIDDEN_DIGIT, LEVEL_FROM_BASE, RED, InkReading, read_inks
+from app.vision.inks import BASE, DIGITS, LEVEL_FROM_BASE, InkReading, read_inks
+from app.vision.kernels.inkwell import GREEN, HIDDEN_DIGIT, RED
 from app.vision.measurement import fit_patches
 from app.vision.patches import Pyramid, take_patches
 from app.vision.template import PatchGrid

@@ -6,7 +6,8 @@ import pytest
 from app.planning.tone import linear_of_srgb
 from app.targets.drawing import BLACK_RGB, RED_RGB, cell_colours_rgb
 from app.vision.homography import PLATE_DOTS_U, apply_homographies
-from app.vision.inks import BASE, RED
+from app.vision.inks import BASE
+from app.vision.kernels.inkwell import RED
 from app.vision.measurement import PlateFits, SizedPatches, fit_patches
 from app.vision.patches import Pyramid, take_patches
 from app.vision.template import PatchGrid, plate_template

@@ -1,0 +1,70 @@
+"""Loops that are compiled (numba): when a module is imported, kept on disk, never while a photograph waits.
+
+A kernel is a plain function over arrays, with its types given. Importing its module compiles it, or reads what was
+compiled before. Processes that are forked from one that has imported it inherit it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+from numba import config, njit
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+APP_FOLDER = Path(__file__).parent
+USER_CACHE_FOLDER = Path.home() / ".cache" if "HOME" in os.environ else Path(tempfile.gettempdir())
+# Sums may be reordered, so that they run on vector registers; infinities and NaN stay what they are.
+REORDERED = {"reassoc", "contract", "nsz", "arcp"}
+
+
+def compiled(signature: str) -> Callable[[Function], Function]:
+    """Compile a function of arrays and numbers for one signature, in numba's notation.
+
+    Divisions by zero give infinities, as NumPy's do. Other types than the signature's raise TypeError: nothing is
+    compiled later.
+    """
+
+    def compile_now(function: Function) -> Function:
+        folder = _kept_in()
+        before, config.CACHE_DIR = config.CACHE_DIR, "" if folder is None else str(folder)
+        try:
+            build = njit(signature, cache=folder is not None, error_model="numpy", fastmath=REORDERED)
+            return cast(Function, build(function))
+        finally:
+            config.CACHE_DIR = before
+
+    return compile_now
+
+
+@cache
+def _kept_in() -> Path | None:
+    """Where compiled code is kept: beside the source, else in the user's cache; None when neither can be written.
+
+    ``NUMBA_CACHE_DIR`` comes before both. The folder carries a digest of all kernels: numba looks at a kernel's own
+    file, and not at those that it calls.
+    """
+    name = f"kernels-{_digest()}"
+    if config.CACHE_DIR:
+        return Path(config.CACHE_DIR) / name
+    for parent in (APP_FOLDER / "__pycache__", USER_CACHE_FOLDER / "scattermark"):
+        with suppress(OSError):
+            (parent / name).mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=parent / name).close()
+            return parent / name
+    return None
+
+
+def _digest() -> str:
+    """Of the sources of all kernels, of the layout that they know, and of how they are compiled."""
+    digest = hashlib.sha256()
+    for path in (Path(__file__), APP_FOLDER / "targets" / "layout.py", *sorted(APP_FOLDER.glob("*/kernels/*.py"))):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,1 @@
+"""Loops that vision and photogrammetry share, compiled."""

@@ -1,0 +1,92 @@
+"""Which ink each dot of a plate shows, against the plate's own red."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from app.compiled import compiled
+from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+Digits = npt.NDArray[np.int8]
+
+BLUE, GREEN, RED = 0, 1, 2
+BLACK_DIGIT, GREEN_DIGIT, WHITE_DIGIT, HIDDEN_DIGIT = 0, 1, 2, -1
+BASE_COUNT = len(BASE_CELLS)
+
+
+@compiled("float64(float64[:, ::1], UniTuple(float64, 7), boolean[::1], float64[::1])")
+def _read_base(amplitudes: Array, bounds: tuple[float, ...], red_base: Mask, base_red: Array) -> float:
+    """Which base dots are red, and the red at each, that of the plate where something covers it; returns the median."""
+    base_red_min, off_red_max = bounds[0], bounds[1]
+    for dot in range(BASE_COUNT):
+        base_red[dot] = amplitudes[BASE_CELLS[dot], RED]
+    middle = np.median(base_red)
+    for dot in range(BASE_COUNT):
+        cell = BASE_CELLS[dot]
+        off_red = max(amplitudes[cell, BLUE], amplitudes[cell, GREEN])
+        pure = off_red <= off_red_max * max(base_red[dot], 1.0)
+        red_base[dot] = pure and base_red[dot] > base_red_min * middle
+        if not red_base[dot]:
+            base_red[dot] = middle
+    return middle
+
+
+@compiled("void(float64[::1], float64[:, ::1], float64[::1])")
+def _spread_red(base_red: Array, level_from_base: Array, red_level: Array) -> None:
+    """Red expected at each dot: a plane through the base dots, kept within their range, at least one grey value."""
+    least, most = base_red.min(), base_red.max()
+    for dot in range(len(red_level)):
+        level = 0.0
+        for base in range(BASE_COUNT):
+            level += level_from_base[dot, base] * base_red[base]
+        red_level[dot] = max(min(max(level, least), most), 1.0)
+
+
+@compiled("int64(float64, float64, UniTuple(float64, 7))")
+def _digit_of(red: float, green: float, bounds: tuple[float, ...]) -> int:
+    """The digit of a dot's red and green in units of the plate's red."""
+    _, _, white_red, green_green, white_green_min, white_max, dark_min = bounds
+    if max(red, green) > white_max or min(red, green) < dark_min:
+        return HIDDEN_DIGIT
+    if red > white_red:
+        return WHITE_DIGIT if green >= white_green_min else HIDDEN_DIGIT
+    return GREEN_DIGIT if green > green_green else BLACK_DIGIT
+
+
+@compiled(
+    "void(float64[:, :, ::1], float64[:, ::1], UniTuple(float64, 7), Tuple((boolean[:, ::1], int8[:, ::1], "
+    "float64[:, ::1], float64[:, ::1])))"
+)
+def read_plates_inks(
+    amplitudes: Array, level_from_base: Array, bounds: tuple[float, ...], reading: tuple[Mask, Digits, Array, Array]
+) -> None:
+    """Read plates whose dots have amplitudes of shape (P, 16, 3): blue, green, red.
+
+    Parameters
+    ----------
+    amplitudes : ndarray of shape (P, 16, 3)
+    level_from_base : ndarray of shape (16, 5)
+        Takes the red of the base dots to that of all dots.
+    bounds : tuple of float
+        The fields of ``InkOptions``, in their order: base_red_min, base_off_red_max, white_red, green_green,
+        white_green_min, white_max, dark_min.
+    reading : tuple of ndarray, written
+        Which base dots are red (P, 5), digits (P, 11), their confidence (P, 11), red expected at each dot (P, 16).
+    """
+    red_base, digits, confidence, red_level = reading
+    white_red, green_green = bounds[2], bounds[3]
+    base_red = np.empty(BASE_COUNT)
+    for plate in range(len(amplitudes)):
+        _read_base(amplitudes[plate], bounds, red_base[plate], base_red)
+        _spread_red(base_red, level_from_base, red_level[plate])
+        for place in range(len(DIGIT_CELLS)):
+            cell = DIGIT_CELLS[place]
+            red = amplitudes[plate, cell, RED] / red_level[plate, cell]
+            green = amplitudes[plate, cell, GREEN] / red_level[plate, cell]
+            digits[plate, place] = _digit_of(red, green, bounds)
+            from_red = abs(red - white_red) / white_red
+            from_green = abs(green - green_green) / green_green
+            confidence[plate, place] = from_red if red > white_red else min(from_red, from_green)
