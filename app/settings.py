@@ -57,6 +57,8 @@ class Settings:
     drain_s : float
         How long a server that was told to stop says so at ``/readyz`` and still takes requests: time for a load
         balancer to notice.
+    finish_s : int
+        How long it then waits for requests in flight: they take tens of milliseconds, an upload some seconds.
     worker_metrics_port : int
         Where a worker tells Prometheus about its builds; 0 for nowhere.
     log_format, log_level : str
@@ -97,6 +99,7 @@ class Settings:
     upload_grace_s: float = 20.0
     max_slow_uploads: int = 128
     drain_s: float = 0.0
+    finish_s: int = 7
     worker_metrics_port: int = 0
     log_format: str = ""
     log_level: str = "info"

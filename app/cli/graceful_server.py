@@ -15,9 +15,6 @@ from app.services.draining import Draining
 
 log = logging.getLogger(__name__)
 
-# Of the ten seconds that a stop may take: requests take tens of milliseconds, an upload some seconds. The rest is for
-# the worker processes and the database.
-IN_FLIGHT_S = 7
 SIGNALLED = 128  # the shell's convention: a process that a signal ended
 
 
@@ -30,7 +27,8 @@ class GracefulServer(uvicorn.Server):
     draining : Draining
         Of the application: what readiness and streams watch.
     drain_s : float
-        How long it says that it leaves and still takes requests.
+        How long it says that it leaves and still takes requests. Requests in flight are then waited for as long as
+        ``config`` says.
 
     Attributes
     ----------
@@ -39,7 +37,6 @@ class GracefulServer(uvicorn.Server):
     """
 
     def __init__(self, config: uvicorn.Config, draining: Draining, drain_s: float) -> None:
-        config.timeout_graceful_shutdown = IN_FLIGHT_S
         super().__init__(config)
         self._draining = draining
         self._drain_s = drain_s

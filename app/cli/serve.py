@@ -130,6 +130,7 @@ def _server(settings: Settings, door: Door) -> GracefulServer:
         log_config=None,
         access_log=False,
         lifespan="on",
+        timeout_graceful_shutdown=settings.finish_s,
         ssl_certfile=None if door.certificate is None else door.certificate.certificate_path,
         ssl_keyfile=None if door.certificate is None else door.certificate.key_path,
     )
