@@ -33,7 +33,7 @@ HEADERS = [(b"host", b"127.0.0.1"), (b"content-type", b"image/jpeg")]
 class Route:
     """As much of a route as is looked at."""
 
-    path = "/trajectories/{trajectory_id}"
+    path_format = "/trajectories/{trajectory_id}"
 
 
 async def nothing(scope: Scope, _receive: Receive, send: Send) -> None:

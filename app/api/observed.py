@@ -50,7 +50,7 @@ class Observed:
                 raise
             finally:
                 duration_s = answer.duration_s()
-                route = getattr(scope.get("route"), "path", OTHER)
+                route = getattr(scope.get("route"), "path_format", OTHER)
                 self._metrics.answered(scope["method"], route, answer.status, duration_s)
                 _log(scope, route, answer, duration_s)
 
