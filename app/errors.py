@@ -146,6 +146,12 @@ class WorkerCrashed(ScattermarkError):
     slug = "worker-crashed"
 
 
+class OutOfMemory(ScattermarkError):
+    """A worker process had no memory left for this piece of work."""
+
+    slug = "out-of-memory"
+
+
 class StorageUnavailable(ScattermarkError):
     """The database or the store of photographs gives no answer."""
 

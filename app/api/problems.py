@@ -62,6 +62,7 @@ TABLE: dict[type[errors.ScattermarkError], Kind] = {
     errors.FrameDropped: Kind(503, "Frame dropped"),
     errors.TimedOut: Kind(504, "Time limit exceeded"),
     errors.WorkerCrashed: Kind(500, "Worker crashed"),
+    errors.OutOfMemory: Kind(503, "Out of memory"),
     errors.StorageUnavailable: Kind(503, "Storage unavailable"),
     errors.OutOfSpace: Kind(507, "Insufficient storage"),
     errors.ScattermarkError: Kind(500, "Error"),

@@ -16,10 +16,11 @@ from typing import Any
 import cv2
 from threadpoolctl import threadpool_limits
 
-from app.errors import ScattermarkError
+from app.errors import OutOfMemory, ScattermarkError
 from app.logs import LogOptions, configure_logs, logging_with
 
 TAKEN = b"taken"
+MEMORY_RETRY_S = 5  # other work may have ended by then
 
 Initializer = Callable[..., None]
 
@@ -85,6 +86,11 @@ def _portable(error: BaseException) -> BaseException:
     """The error itself when it survives the journey, else its text; unexpected ones carry the worker's traceback."""
     if isinstance(error, ScattermarkError):
         return error
+    if isinstance(error, MemoryError):
+        return OutOfMemory(
+            "a worker process had no memory left for this work; send a smaller photograph, or try again later",
+            retry_after_s=MEMORY_RETRY_S,
+        )
     error.add_note("in the worker:\n" + "".join(traceback.format_exception(error)))
     try:
         pickle.loads(pickle.dumps(error))

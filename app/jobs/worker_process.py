@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import socket
+import struct
 import sys
 from collections.abc import Callable
 from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext, SpawnContext
 from typing import Any
 
@@ -14,6 +18,7 @@ from app.jobs import worker
 from app.jobs.worker import Answer, WorkerSetup
 
 START_TIMEOUT_S = 120.0  # imports and warm-up take 1-2 s on an idle machine; a loaded one may need far longer
+TAKE_TIMEOUT_S = 10  # an idle worker takes a task within a millisecond; one that was stopped or is stuck never does
 EXIT_TIMEOUT_S = 2.0  # an idle worker ends within milliseconds of losing its pipe; then it is killed
 
 
@@ -45,6 +50,7 @@ class WorkerProcess:
         self._process = context.Process(target=worker.work, args=(child_end, setup), daemon=True)
         self._process.start()
         child_end.close()  # else the end of the child would not close the pipe
+        _limit_sending(self._tasks)
         try:
             self.receive(START_TIMEOUT_S)
         except BaseException as error:
@@ -73,8 +79,10 @@ class WorkerProcess:
         message = pickle.dumps((function, args, context), protocol=pickle.HIGHEST_PROTOCOL)
         try:
             self._tasks.send_bytes(message)
+            if not self._tasks.poll(TAKE_TIMEOUT_S):
+                raise TimeoutError("the worker does not answer")
             self._tasks.recv_bytes()
-        except (EOFError, OSError) as error:
+        except (EOFError, OSError) as error:  # TimeoutError among them
             self._end()
             raise WorkerGone("the worker process died before it took this work; send the request again") from error
 
@@ -117,3 +125,11 @@ class WorkerProcess:
     def _end(self) -> None:
         self._process.kill()
         self._process.join()
+
+
+def _limit_sending(tasks: Connection) -> None:
+    """Let sending to a worker that reads nothing end with an error, as waiting for its word does."""
+    if sys.platform == "win32":
+        return
+    with socket.socket(fileno=os.dup(tasks.fileno())) as pipe:
+        pipe.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("@ll", TAKE_TIMEOUT_S, 0))

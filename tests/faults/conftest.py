@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 
@@ -19,8 +20,9 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 
 @pytest.fixture(scope="package")
-def shared_ledger(served: Served) -> Ledger:
-    return Ledger(served)
+def shared_ledger(served: Served) -> Iterator[Ledger]:
+    with closing(Ledger(served)) as kept:
+        yield kept
 
 
 @pytest.fixture

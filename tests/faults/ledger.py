@@ -29,7 +29,8 @@ class Ledger:
 
     def __init__(self, served: Served) -> None:
         self.served = served
-        self.site_id = true_room(served)
+        self.database = Database(served.settings.sqlalchemy_url)
+        self.site_id = true_room(served, self.database)
         self.survey_id = served.new_survey(self.site_id)
         self._photos: dict[str, str] = {}  # digest by name
         self._poses: dict[str, str] = {}  # trajectory by pose
@@ -62,10 +63,14 @@ class Ledger:
     def check(self) -> None:
         """Hold the service to all that it acknowledged."""
         self._check_up()
-        with self.served.services.database.reading() as session:
+        with self.database.reading() as session:
             check_rows(session)
             check_photographs(session, self.served)
         self._check_acknowledged()
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self.database.close()
 
     def _check_up(self) -> None:
         client = self.served.client
@@ -124,7 +129,7 @@ def _all_of(client: httpx.Client, path: str, *lists: str) -> list[dict[str, Any]
         cursor = {"cursor": page["next_cursor"]}
 
 
-def rows_of(database: Database, *entities: Any) -> int:
+def rows_of(ledger: Ledger, *entities: Any) -> int:
     """How many rows there are of some tables."""
-    with database.reading() as session:
+    with ledger.database.reading() as session:
         return sum(session.scalar(select(func.count()).select_from(entity)) or 0 for entity in entities)

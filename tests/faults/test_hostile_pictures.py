@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 
 import pytest
@@ -56,8 +57,8 @@ def test_a_body_that_is_packed_is_not_unpacked(ledger: Ledger) -> None:
 def hasty(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
     """A service that gives a snapshot a second."""
     settings = Settings(data_dir=tmp_path_factory.mktemp("hasty"), locate_workers=1, build_workers=1)
-    with serve(replace(settings, locate_timeout_s=2.0)) as running:
-        yield Ledger(running)
+    with serve(replace(settings, locate_timeout_s=2.0)) as running, closing(Ledger(running)) as kept:
+        yield kept
 
 
 def test_a_picture_of_endless_work_costs_its_own_time_only(hasty: Ledger) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import replace
 
 import pytest
@@ -31,8 +31,8 @@ def impatient(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
     limits = replace(settings, upload_grace_s=GRACE_S, max_slow_uploads=MOST_SLOW)
     with pytest.MonkeyPatch.context() as patience:
         patience.setattr(PatientProtocol, "header_timeout_s", HEADERS_S)
-        with serve(limits) as running:
-            yield Ledger(running)
+        with serve(limits) as running, closing(Ledger(running)) as kept:
+            yield kept
 
 
 @pytest.fixture(autouse=True)

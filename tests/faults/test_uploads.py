@@ -59,7 +59,7 @@ def test_one_photograph_under_many_names_is_stored_once(ledger: Ledger) -> None:
 
 
 def test_a_snapshot_sent_by_many_at_once_is_one_pose(ledger: Ledger) -> None:
-    before = rows_of(ledger.served.services.database, SnapshotRow)
+    before = rows_of(ledger, SnapshotRow)
     snapshot_id = "6f1c1f6e-0000-4000-8000-00000000000a"
 
     def send(_number: int) -> httpx.Response:
@@ -70,7 +70,7 @@ def test_a_snapshot_sent_by_many_at_once_is_one_pose(ledger: Ledger) -> None:
     answers = at_once(send)
     assert statuses(answers) == {200: CROWD}
     assert len({answer.json()["pose_id"] for answer in answers}) == 1
-    assert rows_of(ledger.served.services.database, SnapshotRow) == before + 1
+    assert rows_of(ledger, SnapshotRow) == before + 1
 
 
 # Broken off
@@ -116,14 +116,14 @@ def test_a_form_without_its_last_line_leaves_nothing(ledger: Ledger) -> None:
 
 
 def test_a_client_that_resets_its_connection_leaves_nothing(ledger: Ledger) -> None:
-    before = rows_of(ledger.served.services.database, PhotographRow)
+    before = rows_of(ledger, PhotographRow)
     for number in range(CROWD):
         with connected(ledger.served) as connection:
             connection.sendall(put_head(ledger, f"reset-{number}.jpg", Content_Length=10**6))
             connection.sendall(PHOTOS[0][:5000])
             # No farewell: the kernel answers with a reset instead of the end of a stream.
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
-    assert rows_of(ledger.served.services.database, PhotographRow) == before
+    assert rows_of(ledger, PhotographRow) == before
 
 
 def test_a_client_that_leaves_before_its_answer_has_uploaded_all_or_nothing(ledger: Ledger) -> None:

@@ -20,10 +20,10 @@ SIGMA_M = 1e-4  # of plates whose places are true
 RAYS = 3
 
 
-def true_room(served: Served) -> str:
+def true_room(served: Served, database: Database) -> str:
     """Make a site with the room's map, active; its id."""
     site_id = served.new_site()
-    publish_truth(served.services.database, site_id, served.new_survey(site_id))
+    publish_truth(database, site_id, served.new_survey(site_id))
     return site_id
 
 
