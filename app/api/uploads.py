@@ -18,7 +18,7 @@ IMAGE_BODY: dict[str, Any] = {
     "required": True,
     "content": {
         media_type: {"schema": {"type": "string", "format": "binary"}}
-        for media_type in ("image/jpeg", "image/png", "image/webp", "application/octet-stream")
+        for media_type in ("image/jpeg", "image/png", "image/webp", "image/heic", "application/octet-stream")
     },
 }
 

@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Picture:
-    """The bytes of a kept picture and their format: ``JPEG``, ``PNG`` or ``WEBP``."""
+    """The bytes of a kept picture and their format: ``JPEG``, ``PNG``, ``WEBP`` or ``HEIC``."""
 
     data: bytes
     format: str

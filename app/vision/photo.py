@@ -9,7 +9,9 @@ import io
 import math
 import struct
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import cv2
@@ -19,6 +21,8 @@ from PIL import ExifTags, Image
 
 from app.errors import BadPhoto, PhotoTooLarge, UnsupportedPhoto
 from app.geometry.camera import CameraIdentity
+from app.vision.heic import decode_heic, heic_exif, heic_header
+from app.vision.heic_file import is_heic
 from app.vision.png_chunks import check_chunks
 
 Pixels = npt.NDArray[np.uint8]
@@ -66,7 +70,7 @@ class PhotoHeader:
     width_px, height_px : int
         Size of the pixels as stored.
     format : str
-        ``JPEG``, ``PNG`` or ``WEBP``.
+        ``JPEG``, ``PNG``, ``WEBP`` or ``HEIC``.
     identity : CameraIdentity
     captured_at : str or None
         EXIF's DateTimeOriginal as written: the phone's local time without a zone.
@@ -126,26 +130,37 @@ def read_header(data: bytes, limits: PhotoLimits = PhotoLimits()) -> PhotoHeader
             f"the photograph has {len(data)} bytes, the limit is {limits.max_bytes}: send it with stronger compression",
             max_bytes=limits.max_bytes,
         )
+    if is_heic(data):
+        size_px = heic_header(data).size_px
+        _check_size(size_px, limits)
+        return _header("HEIC", size_px, _readable(partial(heic_exif, data)))
     image = _open(data)
-    width_px, height_px = image.size
     if image.format not in DECODED_FORMATS:
-        raise UnsupportedPhoto(f"{image.format} images are not measured: send JPEG, PNG or WebP", format=image.format)
+        raise UnsupportedPhoto(f"{image.format} images are not measured: send JPEG, PNG, WebP or HEIC", format=image.format)
+    _check_size(image.size, limits)
+    if image.mode not in COLOUR_MODES:
+        raise UnsupportedPhoto(
+            f"pixels of type {image.mode} are not measured: targets are told by colour, send an 8-bit colour image",
+            mode=image.mode,
+        )
+    format_name = "JPEG" if image.format == "MPO" else str(image.format)
+    return _header(format_name, image.size, _readable(partial(_exif, image)))
+
+
+def _check_size(size_px: tuple[int, int], limits: PhotoLimits) -> None:
+    width_px, height_px = size_px
     if width_px * height_px > limits.max_pixels:
         raise PhotoTooLarge(
             f"the photograph has {width_px} x {height_px} px, the limit is {limits.max_pixels / 1e6:g} megapixels: "
             "send it at a smaller size",
             max_pixels=limits.max_pixels,
         )
-    if image.mode not in COLOUR_MODES:
-        raise UnsupportedPhoto(
-            f"pixels of type {image.mode} are not measured: targets are told by colour, send an 8-bit colour image",
-            mode=image.mode,
-        )
-    exif = _exif(image)
-    format_name = "JPEG" if image.format == "MPO" else str(image.format)
-    identity = _identity(exif, width_px, height_px)
+
+
+def _header(format_name: str, size_px: tuple[int, int], exif: dict[int, Any]) -> PhotoHeader:
+    identity = _identity(exif, *size_px)
     captured_at = _text(exif.get(ExifTags.Base.DateTimeOriginal)) or None
-    return PhotoHeader(width_px, height_px, format_name, identity, captured_at, bool(exif))
+    return PhotoHeader(*size_px, format_name, identity, captured_at, bool(exif))
 
 
 def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
@@ -161,18 +176,23 @@ def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
     header = read_header(data, limits)
     if header.format == "PNG":
         check_chunks(data)
-    try:
-        bgr = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), DECODE_FLAGS)
-    except cv2.error as error:
-        raise BadPhoto("the photograph cannot be decoded: take or copy it again") from error
-    if bgr is None:
-        raise BadPhoto("the photograph is truncated or damaged and cannot be decoded: take or copy it again")
+    bgr = decode_heic(data) if header.format == "HEIC" else _decode(data)
     if bgr.shape != (header.height_px, header.width_px, 3):
         raise BadPhoto(
             f"the header promises {header.width_px} x {header.height_px} px, the pixels are "
             f"{bgr.shape[1]} x {bgr.shape[0]}: copy the photograph again"
         )
     return Photo(np.asarray(bgr, dtype=np.uint8), header)
+
+
+def _decode(data: bytes) -> Pixels:
+    try:
+        bgr = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), DECODE_FLAGS)
+    except cv2.error as error:
+        raise BadPhoto("the photograph cannot be decoded: take or copy it again") from error
+    if bgr is None:
+        raise BadPhoto("the photograph is truncated or damaged and cannot be decoded: take or copy it again")
+    return np.asarray(bgr, dtype=np.uint8)
 
 
 def _open(data: bytes) -> Image.Image:
@@ -185,18 +205,23 @@ def _open(data: bytes) -> Image.Image:
     except Image.DecompressionBombError as error:
         raise PhotoTooLarge("the header promises an enormous picture: send it at a smaller size") from error
     except HEADER_ERRORS as error:
-        raise BadPhoto("the bytes are no readable image: send a JPEG, PNG or WebP file") from error
+        raise BadPhoto("the bytes are no readable image: send a JPEG, PNG, WebP or HEIC file") from error
 
 
 def _exif(image: Image.Image) -> dict[int, Any]:
-    """EXIF tags of the picture and its camera block; empty when absent or damaged (the pixels are still good)."""
+    """EXIF tags of the picture and its camera block; empty when absent."""
+    with warnings.catch_warnings():
+        # Pillow warns of damaged entries that it skips: what is left of the block is still good.
+        warnings.simplefilter("ignore", UserWarning)
+        exif = image.getexif()
+        return {**dict(exif), **exif.get_ifd(ExifTags.IFD.Exif)}
+
+
+def _readable(read: Callable[[], dict[int, Any]]) -> dict[int, Any]:
+    """EXIF tags, or none when they are damaged: that only costs the camera's name, the pixels are still good."""
     try:
-        with warnings.catch_warnings():
-            # Pillow warns of damaged entries that it skips: what is left of the block is still good.
-            warnings.simplefilter("ignore", UserWarning)
-            exif = image.getexif()
-            return {**dict(exif), **exif.get_ifd(ExifTags.IFD.Exif)}
-    except HEADER_ERRORS:  # a damaged EXIF block only costs the camera's name
+        return read()
+    except HEADER_ERRORS:
         return {}
 
 

@@ -16,7 +16,7 @@ from app.storage.snapshot_removal import SnapshotFilter
 
 router = APIRouter(tags=["snapshots"])
 
-MEDIA_TYPES = {"JPEG": "image/jpeg", "PNG": "image/png", "WEBP": "image/webp"}
+MEDIA_TYPES = {"JPEG": "image/jpeg", "PNG": "image/png", "WEBP": "image/webp", "HEIC": "image/heic"}
 PICTURE = {media_type: {"schema": {"type": "string", "format": "binary"}} for media_type in MEDIA_TYPES.values()}
 BEFORE = "Time of capture: ISO 8601 (UTC unless it names a zone) or epoch seconds; snapshots taken earlier are removed."
 

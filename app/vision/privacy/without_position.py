@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.vision.privacy import jpeg, png, webp
+from app.vision.heic_file import is_heic
+from app.vision.privacy import heic, jpeg, png, webp
 
 REWRITERS = (
     (jpeg.SIGNATURE, 0, jpeg.without_position),
@@ -28,6 +29,8 @@ def without_position(data: bytes) -> bytes:
     bytes
         ``data`` itself when it holds no position. Applied once more, nothing changes.
     """
+    if is_heic(data):
+        return heic.without_position(data)
     for signature, at, rewritten in REWRITERS:
         if data[at : at + len(signature)] == signature:
             return rewritten(data)

@@ -45,7 +45,8 @@ class Place:
     def traces(self) -> tuple[bytes, ...]:
         """Bytes of which none may be left, in both byte orders."""
         numbers = [number for pair in self.rationals for number in pair]
-        return self.text, self.text.decode().encode("utf-16-be"), *(struct.pack(f"{order}6I", *numbers) for order in "<>")
+        wide = self.text.decode().encode("utf-16-be")
+        return self.text, wide, *(struct.pack(f"{order}6I", *numbers) for order in "<>")
 
     @property
     def directory(self) -> dict[int, Any]:
