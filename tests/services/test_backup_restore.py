@@ -6,6 +6,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
 from tests.databases import Databases
+from tests.object_stores import S3Server
 from tests.services.backup_scene import CODES, PHOTOS, Scene, fill, rows_of, sha256_of
 
 JOB_COLUMN_STATE = 5
@@ -166,6 +168,7 @@ def test_an_interruption_leaves_the_target_as_it_was(backup: Path, target: Targe
 
 KILLED = """
 import os, signal, sys
+from dataclasses import replace
 from pathlib import Path
 from app.services.backup_restore import Target, restore
 from app.storage.database import Database
@@ -327,3 +330,16 @@ def test_the_newest_revision_is_the_one_that_is_written(scene: Scene, backup: Pa
     with backup.open("rb") as file, ArchiveReader(file) as reader:
         assert reader.manifest.heading.revision == known_revisions()[0]
     assert scene.site_id
+
+
+def test_from_a_folder_into_an_object_store_and_back(
+    scene: Scene, backup: Path, here: Target, s3: S3Server, sqlite: Databases, tmp_path: Path
+) -> None:
+    remote = replace(here, photos=open_photo_store(s3.new_url()))
+    restore(backup, remote, quiet)
+    assert back_up(remote.database, remote.photos, tmp_path / "remote.zip", quiet).lost == ()
+    back = Target(Database(sqlite.empty()), open_photo_store(str(tmp_path / "back")))
+    restore(tmp_path / "remote.zip", back, quiet)
+    assert without_jobs(back.database) == without_jobs(scene.database)
+    assert {back.photos.read(item.name) for item in back.photos.photos()} == set(PHOTOS.values())
+    back.database.close()

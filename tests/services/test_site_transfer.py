@@ -16,9 +16,10 @@ import piexif
 import pytest
 from PIL import Image
 
-from app.errors import Conflict, NotFound, OutOfSpace
+from app.errors import Conflict, NotFound, OutOfSpace, ServerFull
 from app.services.backup import back_up
 from app.services.backup_parts import heading_of
+from app.services.site_transfer import SiteTransfers, TransferLimits
 from app.services.site_transfer_export import SiteSource, export_site, site_chunks
 from app.services.site_transfer_import import ImportedSite, ImportLimits, SiteTarget, import_site
 from app.services.storage_budget import StorageBudget, StorageLimits
@@ -435,3 +436,14 @@ def test_a_photograph_that_a_purge_takes_meanwhile_is_put_back(archive: bytes, h
 
     import_site(io.BytesIO(archive), here, purge)
     assert here.photos.read(taken) == PHOTOS["IMG_0.jpg"]
+
+
+def test_few_transfers_at_a_time(scene: Scene, here: SiteTarget) -> None:
+    transfers = SiteTransfers(scene.database, scene.photos, here.budget, TransferLimits(here.limits, at_once=1))
+    reading = transfers.export(scene.site_id)
+    with pytest.raises(ServerFull) as refusal:
+        transfers.export(scene.site_id)
+    assert refusal.value.fields["retry_after_s"] > 0
+    with ArchiveReader(io.BytesIO(b"".join(reading))) as whole:  # which frees the place
+        whole.verify(quiet)
+    assert b"".join(transfers.export(scene.site_id))
