@@ -136,7 +136,9 @@ def read_header(data: bytes, limits: PhotoLimits = PhotoLimits()) -> PhotoHeader
         return _header("HEIC", size_px, _readable(partial(heic_exif, data)))
     image = _open(data)
     if image.format not in DECODED_FORMATS:
-        raise UnsupportedPhoto(f"{image.format} images are not measured: send JPEG, PNG, WebP or HEIC", format=image.format)
+        raise UnsupportedPhoto(
+            f"{image.format} images are not measured: send JPEG, PNG, WebP or HEIC", format=image.format
+        )
     _check_size(image.size, limits)
     if image.mode not in COLOUR_MODES:
         raise UnsupportedPhoto(
