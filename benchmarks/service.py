@@ -191,6 +191,3 @@ def _row(name: str, outcome: Outcome, bare_median_s: float, share: float | None)
 
 if __name__ == "__main__":
     main()
-    console.print(
-        "one client: p50 over the bare pipeline in the same run; otherwise: throughput over that of the pool alone"
-    )

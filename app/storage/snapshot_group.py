@@ -34,6 +34,9 @@ from app.storage.trajectory_rows import (
 )
 from app.storage.upsert import insert_what_is_absent
 
+# Some drivers' own word on a value that JSON does not have goes past the toolkit.
+FAULTS_OF_A_ROW = (SQLAlchemyError, ValueError)
+
 # Built once: for a pose row that takes longer than its execution.
 SITES = select(SiteRow.id).where(SiteRow.id.in_(bindparam("site_ids", expanding=True))).order_by(SiteRow.id)
 SITES = SITES.with_for_update(read=True, key_share=True)  # nobody deletes them meanwhile; others may add as well
@@ -84,7 +87,7 @@ def record_snapshots(database: Database, entries: Sequence[Entry]) -> list[Snaps
                 return list(record_group(connection, entries))
         except (StorageUnavailable, OutOfSpace) as error:
             return [error] * len(entries)  # one by one it would be the same, and take as many times as long
-        except (SnapshotIdTaken, Conflict, SQLAlchemyError):
+        except (SnapshotIdTaken, Conflict, *FAULTS_OF_A_ROW):
             pass  # nothing is written: one of them stands in the way, and must not be in that of the others
     return [_alone(database, entry) for entry in entries]
 
@@ -93,7 +96,7 @@ def _alone(database: Database, entry: Entry) -> Snapshot | Exception:
     try:
         with database.recording_rows() as connection:
             return record_one(connection, entry)
-    except (ScattermarkError, SQLAlchemyError) as error:
+    except (ScattermarkError, *FAULTS_OF_A_ROW) as error:
         return error
 
 
