@@ -35,10 +35,10 @@ def write_whole(place: Path, data: bytes, aside: Path) -> None:
     finally:
         Path(name).unlink(missing_ok=True)
     for folder in [place.parent, *(folder.parent for folder in made)]:
-        _sync_folder(folder)
+        sync_folder(folder)
 
 
-def _sync_folder(folder: Path) -> None:
+def sync_folder(folder: Path) -> None:
     """Make the names in a folder survive a power cut."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
