@@ -10,6 +10,7 @@ import pytest
 
 from app.trajectories.association import AssociationOptions, associate
 from app.trajectories.metrics.accuracy import accuracy_of
+from app.trajectories.metrics.bands import counts_in_bands
 from app.trajectories.metrics.errors import Errors, errors_of
 from app.trajectories.trajectory import Trajectory
 from tests.trajectories.walks import walk
@@ -56,12 +57,18 @@ def test_table_4_follows_from_the_coordinates(phone: str, measurement: int) -> N
 
 @pytest.mark.parametrize(("phone", "measurement"), TABLE_3)
 def test_table_3_counts_the_differences(phone: str, measurement: int) -> None:
-    differences_m = np.abs(paper_errors(phone, measurement).vectors_m[:, :2])
-    edges_m = [0.10, 0.01]
-    for axis, counts in enumerate(TABLE_3[phone, measurement]):
-        size_m = np.round(differences_m[:, axis], 4)  # as printed: 0.1000 is not above 10 cm
-        above, below = int((size_m > edges_m[0]).sum()), int((size_m < edges_m[1]).sum())
-        assert (above, len(size_m) - above - below, below) == counts
+    counts = counts_in_bands(paper_errors(phone, measurement), [0.01, 0.10])
+    for axis, (above, between, below) in enumerate(TABLE_3[phone, measurement]):
+        assert counts[axis].tolist() == [below, between, above]
+
+
+def test_limits_of_bands_increase() -> None:
+    errors = Errors(np.zeros(2), np.array([[0.3 - 0.2, 0.0, 0.05], [0.11, 0.01, 0.0]]), None, None)
+    assert counts_in_bands(errors, [0.01, 0.1]).tolist() == [[0, 1, 1], [1, 1, 0], [1, 1, 0]]
+    assert counts_in_bands(errors, [0.01]).tolist() == [[0, 2], [1, 1], [1, 1]]
+    for wrong in ([], [0.1, 0.01]):
+        with pytest.raises(ValueError, match="limits increase"):
+            counts_in_bands(errors, wrong)
 
 
 def test_circular_errors_are_quantiles_of_what_was_put_in() -> None:
