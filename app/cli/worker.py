@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import os
 import signal
 import sys
 import threading
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from app.cli.migrate import migrate, settings_of
+from app.errors import ScattermarkError
 
+if TYPE_CHECKING:
+    from app.settings import Settings
+
+log = logging.getLogger(__name__)
+
+FAULTY = 1
 HELP = "do the builds that the service was asked for"
 STOP_LIMIT_S = 8.0  # of a stop in order, which takes a fraction of a second unless the database hangs
 
@@ -25,7 +33,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Work until told to stop."""
     from app.cli.serve import start_logs
-    from app.jobs.build_worker import run_worker
 
     settings = settings_of(arguments.data_dir)
     start_logs(settings)
@@ -34,7 +41,20 @@ def run(arguments: argparse.Namespace) -> int:
         threading.Thread(target=_stop_with_parent, args=(stop,), name="parent-watch", daemon=True).start()
     if settings.embedded:
         migrate(settings)
-    _leave(run_worker(settings, stop, lambda name: print(f"Scattermark worker {name} is ready", flush=True)))
+    _leave(_work(settings, stop))
+
+
+def _work(settings: Settings, stop: threading.Event) -> int:
+    """Work; the exit status. No error leaves: the interpreter would then wait for threads that never end."""
+    from app.jobs.build_worker import run_worker
+
+    try:
+        return run_worker(settings, stop, lambda name: print(f"Scattermark worker {name} is ready", flush=True))
+    except ScattermarkError as error:
+        print(f"scattermark worker: {' '.join(error.detail.split())}", file=sys.stderr)
+    except Exception:
+        log.exception("the worker ends by a fault of its own; another one goes on with its work")
+    return FAULTY
 
 
 def _stopped_by_signals() -> threading.Event:
@@ -59,7 +79,7 @@ def _stop_with_parent(stop: threading.Event) -> None:
 
 def _give_up_later() -> None:
     """End the process even when the database hangs: another worker finds out by itself what was left."""
-    limit = threading.Timer(STOP_LIMIT_S, os._exit, (1,))
+    limit = threading.Timer(STOP_LIMIT_S, os._exit, (FAULTY,))
     limit.daemon = True
     limit.start()
 
