@@ -22,6 +22,7 @@ from app.api.problems import Problem, add_handlers, describe_slow_bodies
 from app.api.request_id import RequestIds
 from app.api.routes import (
     audit,
+    docs,
     jobs,
     keys,
     locate,
@@ -67,7 +68,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
             yield {"services": services}
             app.state.metrics_page.registry.unregister(services.metrics)
 
-    app = FastAPI(title="Scattermark", description=DESCRIPTION, lifespan=lifespan)
+    app = FastAPI(title="Scattermark", description=DESCRIPTION, docs_url=None, redoc_url=None, lifespan=lifespan)
     add_handlers(app)
     app.state.draining = Draining()  # whoever runs the server says when it leaves
     app.state.metrics_page = MetricsPage()
@@ -90,6 +91,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)
     app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)
     app.include_router(locate.router, max_body_size=snapshot_bytes)
+    app.include_router(docs.router)
     app.include_router(surveys.upload_router, max_body_size=settings.max_upload_bytes)
     _describe_problems(app)
     return app
