@@ -16,6 +16,7 @@ from app.storage.archive_schema import current_revision, tables_at
 from app.storage.archive_writer import ArchiveWriter
 from app.storage.backup_rows import photos_of, write_rows
 from app.storage.database import Database
+from app.storage.durable_files import sync_folder
 from app.storage.photo_store import PhotoStore
 
 
@@ -76,7 +77,7 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
             partial.unlink()
             raise
     partial.replace(path)
-    _sync_folder(path.parent)
+    sync_folder(path.parent)
 
 
 def _still_named(database: Database, digests: tuple[str, ...]) -> tuple[str, ...]:
@@ -87,12 +88,3 @@ def _still_named(database: Database, digests: tuple[str, ...]) -> tuple[str, ...
         connection = session.connection()
         named = set(photos_of(connection, tables_at(current_revision(connection))))
     return tuple(digest for digest in digests if digest in named)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make a rename survive a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
