@@ -167,15 +167,15 @@ def test_a_worker_that_died(patient: Patient, silent_worker: str) -> None:
     assert wrong(patient) == []
 
 
-def test_builds_that_nobody_does(patient: Patient) -> None:
-    with patient.database.writing() as session:
+def test_builds_that_nobody_does(here: Patient) -> None:
+    with here.database.writing() as session:
         row = session.query(JobRow).first()
         assert row is not None
         JobRepository(session).add("build", row.site_id, row.survey_id, {})
-    only(patient, "error", "workers", "1 builds wait")
-    with patient.database.writing() as session:
+    only(here, "error", "workers", "1 builds wait")
+    with here.database.writing() as session:
         WorkerRepository(session).add("host/1", "slot-1")
-    assert wrong(patient) == []
+    assert wrong(here) == []
 
 
 def new_key(patient: Patient, name: str, scope: str, expires_s: float | None = None) -> str:
@@ -184,24 +184,24 @@ def new_key(patient: Patient, name: str, scope: str, expires_s: float | None = N
         return KeyRepository(session).add(wanted, Fingerprint(sha256_of(name.encode()), "sm")).key_id
 
 
-def test_keys_that_expire_and_nobody_who_may_make_others(patient: Patient) -> None:
-    new_key(patient, "chief", "admin")
-    new_key(patient, "phones", "locate", NOW_S - 3 * 86400.0)
-    only(patient, "warning", "keys", "phones expired 3 days ago")
-    new_key(patient, "tablets", "locate", NOW_S + 3.4 * 86400.0)
-    assert [finding.what for finding in wrong(patient)] == ["phones expired 3 days ago", "tablets expires in 3 days"]
+def test_keys_that_expire_and_nobody_who_may_make_others(here: Patient) -> None:
+    new_key(here, "chief", "admin")
+    new_key(here, "phones", "locate", NOW_S - 3 * 86400.0)
+    only(here, "warning", "keys", "phones expired 3 days ago")
+    new_key(here, "tablets", "locate", NOW_S + 3.4 * 86400.0)
+    assert [finding.what for finding in wrong(here)] == ["phones expired 3 days ago", "tablets expires in 3 days"]
 
 
-def test_no_administrator(patient: Patient) -> None:
-    only(with_settings(patient, allowed_hosts="scatter.example"), "error", "keys", "no valid key has the scope admin")
-    only(with_settings(patient, require_keys=True), "error", "keys", "no valid key has the scope admin")
-    new_key(patient, "phones", "locate")
-    only(patient, "warning", "keys", "no valid key has the scope admin")
-    chief = new_key(patient, "chief", "admin")
-    assert wrong(patient) == []
-    with patient.database.writing() as session:
+def test_no_administrator(here: Patient) -> None:
+    only(with_settings(here, allowed_hosts="scatter.example"), "error", "keys", "no valid key has the scope admin")
+    only(with_settings(here, require_keys=True), "error", "keys", "no valid key has the scope admin")
+    new_key(here, "phones", "locate")
+    only(here, "warning", "keys", "no valid key has the scope admin")
+    chief = new_key(here, "chief", "admin")
+    assert wrong(here) == []
+    with here.database.writing() as session:
         KeyRepository(session).revoke(chief)
-    only(patient, "warning", "keys", "no valid key has the scope admin")
+    only(here, "warning", "keys", "no valid key has the scope admin")
 
 
 def test_a_service_that_lets_everybody_in(here: Patient) -> None:
@@ -215,18 +215,18 @@ def test_a_full_disk_and_a_full_quota(here: Patient) -> None:
     only(with_settings(here, quota_bytes=used), "error", "room", "of the quota")
 
 
-def test_lost_photographs(patient: Patient) -> None:
+def test_lost_photographs(here: Patient) -> None:
     lost = sha256_of(PHOTOS["IMG_1.jpg"])
-    patient.photos.delete(lost)
-    only(patient, "error", "photographs", f"1 of 3 are lost: {lost}")
+    here.photos.delete(lost)
+    only(here, "error", "photographs", f"1 of 3 are lost: {lost}")
 
 
-def test_altered_photographs(patient: Patient) -> None:
+def test_altered_photographs(here: Patient) -> None:
     altered = sha256_of(PHOTOS["IMG_1.jpg"])
-    patient.photos.delete(altered)
-    patient.photos.put(altered, b"other bytes")
-    only(patient, "error", "photographs", altered)  # all three are in the sample
-    only(replace(patient, deep=True), "error", "photographs", altered)
+    here.photos.delete(altered)
+    here.photos.put(altered, b"other bytes")
+    only(here, "error", "photographs", altered)  # all three are in the sample
+    only(replace(here, deep=True), "error", "photographs", altered)
     assert len(PHOTOS) < SAMPLE
 
 
