@@ -10,7 +10,7 @@ import asyncio
 import queue
 import threading
 from collections.abc import Callable
-from concurrent.futures import wait
+from concurrent.futures import Future, wait
 from types import TracebackType
 from typing import Any, Self
 
@@ -132,9 +132,17 @@ class WorkerPool:
         When the waiting coroutine is cancelled (its client left), a waiting task is taken back; a running one goes on
         to its end and holds its place in the gate until then, since its worker is really busy.
         """
+        loop = asyncio.get_running_loop()
+        outcome: asyncio.Future[Any] = loop.create_future()
+
+        def tell(done: Future[Any]) -> None:
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(_pass_on, done, outcome)
+
         task = self.submit(function, *args, timeout_s=timeout_s)
+        task.add_done_callback(tell)
         try:
-            return await asyncio.shield(asyncio.wrap_future(task))
+            return await outcome
         except asyncio.CancelledError:
             task.withdraw()
             raise
@@ -151,7 +159,8 @@ class WorkerPool:
         for _ in self._keepers:
             self._waiting.put(None)
         for keeper in self._keepers:
-            keeper.join()
+            if keeper.ident is not None:  # it was started
+                keeper.join()
 
     def __enter__(self) -> Self:
         return self.start()
@@ -168,3 +177,14 @@ class WorkerPool:
         self._gate.leave(running_s)
         if self.on_done is not None and waited_s is not None and running_s is not None:
             self.on_done(task.function.__name__, waited_s, running_s)
+
+
+def _pass_on(done: Future[Any], outcome: asyncio.Future[Any]) -> None:
+    """Tell a coroutine, unless it has left, what became of its work: one step of the event loop, no copies."""
+    if outcome.done():
+        return
+    error = done.exception()
+    if error is None:
+        outcome.set_result(done.result())
+    else:
+        outcome.set_exception(error)

@@ -199,6 +199,10 @@ def test_workers_that_cannot_start_are_reported_and_leave_nothing() -> None:
     assert pool.pids == ()
 
 
+def test_a_pool_that_was_never_started_can_be_closed() -> None:
+    WorkerPool(workers=1, queue_depth=0).close()
+
+
 def test_a_worker_computes_on_one_thread(pool: WorkerPool) -> None:
     opencv_threads, blas_threads = pool.submit(pool_work.thread_counts).result(ANSWER_S)
     assert opencv_threads == 1
