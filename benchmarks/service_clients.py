@@ -59,14 +59,15 @@ class Outcome:
         Of the requests that were located.
     statuses : dict
         How many answers of each status.
-    duration_s, client_cpu_s : float
-        By the clock, and of the clients' own processor.
+    duration_s, client_cpu_s, service_cpu_s : float
+        By the clock, and processor time: of the clients, and of the process that answers them (not of its workers).
     """
 
     latencies_s: list[float] = field(default_factory=list)
     statuses: dict[str, int] = field(default_factory=dict)
     duration_s: float = 0.0
     client_cpu_s: float = 0.0
+    service_cpu_s: float = 0.0
 
     @property
     def per_s(self) -> float:

@@ -19,6 +19,7 @@ from app.cli.service_client import ServiceClient
 
 BYTES_PER_MB = 1e6
 STOP_S = 30.0
+USER_TICKS = 11  # place of utime behind the name in /proc/PID/stat, stime follows (man 5 proc)
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,12 @@ def memory_of(pid: int) -> Memory:
     """
     workers = [_resident_mb(child) for child in _descendants(pid)]
     return Memory(_resident_mb(pid), max(workers, default=0.0))
+
+
+def cpu_s(pid: int) -> float:
+    """Processor time that a process has taken so far, without its children (Linux)."""
+    fields = (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()
+    return sum(int(ticks) for ticks in fields[USER_TICKS : USER_TICKS + 2]) / os.sysconf("SC_CLK_TCK")
 
 
 def _descendants(pid: int) -> list[int]:
