@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from app.photogrammetry.kernels.steps import damped_step
 from app.photogrammetry.resection_equations import (
     POSE_COUNT,
     POSITION,
@@ -42,7 +43,7 @@ class AdjustmentOptions:
     max_camera_sigmas : float
         Longest step of the camera's unknowns: within three standard deviations it is what its prior says it is.
     max_shift : float
-        Longest step of the position, as a fraction of the median distance to the targets, and of the rotation, rad.
+        Longest step of the position, as a fraction of the (upper) median distance to the targets, and of the rotation, rad.
         Beyond it the equations are not nearly linear; a step to infinity would make all residuals equal.
     first_damping : float
         Damping once a step has made things worse, a fraction of the normal matrix' diagonal; it then follows Nielsen,
@@ -127,28 +128,15 @@ class _Steps:
 
     def step(self, at: AdjustedState, unknowns: int, damping: float = 0.0) -> _Step:
         """The damped step of the first unknowns, no longer than it may be; the other unknowns stay."""
+        values, options = np.zeros(STATE_COUNT), self.options
+        distances_m = at.equations.distances_m
+        middle_m = np.partition(distances_m, len(distances_m) // 2)[len(distances_m) // 2]
+        longest = (options.max_shift * float(middle_m), options.max_shift, options.max_camera_sigmas)
         information, gradient = at.information[:unknowns, :unknowns], at.gradient[:unknowns]
-        damped = information + damping * np.diag(np.diag(information))
-        moved: Array = np.asarray(np.linalg.solve(damped, -gradient), dtype=np.float64)
-        moved /= max(1.0, self._overreach(moved, at.equations))
-        values = np.zeros(STATE_COUNT)
-        values[:unknowns] = moved
-        gain = float(-2.0 * gradient @ moved - moved @ information @ moved)
-        return _Step(values, gain, self._length(values, at.equations))
-
-    def _overreach(self, moved: Array, equations: TargetEquations) -> float:
-        """How many times a step is as long as it may be."""
-        reach_m = self.options.max_shift * float(np.median(equations.distances_m))
-        return max(
-            float(np.linalg.norm(moved[POSITION])) / reach_m,
-            float(np.linalg.norm(moved[ROTATION])) / self.options.max_shift,
-            float(np.linalg.norm(moved[POSE_COUNT:])) / self.options.max_camera_sigmas,
-        )
-
-    def _length(self, values: Array, equations: TargetEquations) -> float:
-        shift = float(np.linalg.norm(values[POSITION]) / equations.distances_m.min())
-        turn_rad = float(np.linalg.norm(values[ROTATION]))
-        return max(shift, turn_rad, self.prior.image_plane_change(values[POSE_COUNT:]))
+        gain = damped_step(information, gradient, damping, longest, values)
+        shift = float(np.sqrt(values[POSITION] @ values[POSITION])) / distances_m.min()
+        turn_rad = float(np.sqrt(values[ROTATION] @ values[ROTATION]))
+        return _Step(values, gain, max(shift, turn_rad, self.prior.image_plane_change(values[POSE_COUNT:])))
 
 
 def adjust_pose(

@@ -15,8 +15,10 @@ import numpy.typing as npt
 
 from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, Camera
 from app.geometry.pose import Pose
-from app.geometry.rotation import skew
+from app.photogrammetry.kernels.leftovers import explain_by_movement, measure_residuals
+from app.photogrammetry.kernels.products import COLUMNS, linearise_targets
 from app.photogrammetry.resection_input import SightedTargets
+from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -26,7 +28,6 @@ POSITION, ROTATION = slice(0, 3), slice(3, POSE_COUNT)
 STATE_COUNT = POSE_COUNT + INTRINSIC_COUNT  # position (m), small rotation (rad), intrinsics in their prior's sigmas
 OWN_COUNT = 6  # a target's own position and rotation
 PIXEL_COUNT = 4  # of the intrinsics, fx, fy, cx and cy are in px
-FIELD_LIMIT = 3.0  # tangent of 72 degrees off the axis: beyond it Brown-Conrady describes no lens
 RIDGE = float(np.sqrt(np.finfo(np.float64).eps))  # under the accuracy of any normal matrix, above its rounding
 
 
@@ -117,85 +118,35 @@ class TargetEquations:
     @cached_property
     def shape_chi2(self) -> Array:
         """The part of ``chi2`` that no rigid movement of the target explains, shape (K,): no pose changes it."""
-        normal, right = self.gram[:, :OWN_COUNT, :OWN_COUNT], self.gram[:, :OWN_COUNT, -1:]
-        diagonal = np.einsum("kii->ki", normal)
-        scale = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))[..., None]
-        # Few dots leave movements free; the ridge silences those (their right side is zero) and no other.
-        scaled = normal / (scale * np.swapaxes(scale, 1, 2)) + RIDGE * np.eye(OWN_COUNT)
-        explained = (np.linalg.solve(scaled, right / scale) * right / scale).sum(axis=(1, 2))
+        explained = np.empty(len(self.gram))
+        explain_by_movement(self.gram, RIDGE, explained)
         return np.maximum(self.gram[:, -1, -1] - explained, 0.0)
 
 
 def linearise(sighted: SightedTargets, prior: CameraPrior, state: State) -> TargetEquations:
     """The collinearity equations of all targets at a state."""
-    rotation, position_m = state.site_from_cam.rotation, state.site_from_cam.position_m
-    to_centres_m = sighted.centres_m - position_m
-    cam_m = (to_centres_m[:, None] + sighted.arms_m) @ rotation
-    outside = cam_m[..., 2] <= np.abs(cam_m[..., :2]).max(axis=-1) / FIELD_LIMIT
-    if outside.any():
-        cam_m[outside] = (0.0, 0.0, 1.0)  # has no image; its target is marked below
-    image_px, by_point, by_intrinsics = prior.camera_at(state.whitened).project_with_jacobians(cam_m)
-    residuals_px = (image_px - sighted.observed_px) * sighted.measured[..., None]
-    columns = np.empty((OWN_COUNT + INTRINSIC_COUNT + 1, *residuals_px.shape))  # component first: long inner loops
-    by_point_flat, by_intrinsics_flat = by_point.reshape(-1, 3), by_intrinsics.reshape(-1, INTRINSIC_COUNT)
-    columns[:3] = (rotation @ by_point_flat.T).reshape(3, *residuals_px.shape)
-    columns[OWN_COUNT:-1] = (prior.root.T @ by_intrinsics_flat.T).reshape(INTRINSIC_COUNT, *residuals_px.shape)
-    columns[-1] = residuals_px
-    gram = _gram(columns, sighted)
-    facing = (sighted.rotations[..., 2] * to_centres_m).sum(axis=-1) < 0
-    seen_from_front = ~(outside & sighted.measured).any(axis=-1) & facing
-    reduced = _eliminated(gram, sighted.own_covariances, to_centres_m)
+    pose, count = state.site_from_cam, len(sighted)
+    gram, reduced = np.empty((2, count, COLUMNS, COLUMNS))
+    residuals_px, seen_from_front = np.empty((count, DOT_COUNT, 2)), np.empty(count, dtype=np.bool_)
+    intrinsics = prior.camera_at(state.whitened).intrinsics
+    place = (np.ascontiguousarray(pose.rotation), pose.position_m, intrinsics, prior.root)
+    linearise_targets(place, sighted.arrays, (gram, reduced, residuals_px, seen_from_front))
+    to_centres_m = sighted.centres_m - pose.position_m
     return TargetEquations(
         gram=gram,
         information=reduced[:, :STATE_COUNT, :STATE_COUNT],
         gradient=reduced[:, :STATE_COUNT, -1],
         chi2=reduced[:, -1, -1],
         residuals_px=residuals_px,
-        distances_m=np.linalg.norm(to_centres_m, axis=-1),
+        distances_m=np.sqrt((to_centres_m**2).sum(axis=-1)),
         seen_from_front=seen_from_front,
     )
 
 
 def residuals_of(sighted: SightedTargets, prior: CameraPrior, state: State) -> Array:
     """Residuals at a state, px, shape (K, 16, 2): zero where not measured, or where a dot has no image."""
-    pose = state.site_from_cam
-    cam_m = (sighted.dots_m - pose.position_m) @ pose.rotation
-    inside = cam_m[..., 2] > np.abs(cam_m[..., :2]).max(axis=-1) / FIELD_LIMIT
-    cam_m[~inside] = (0.0, 0.0, 1.0)
-    residuals_px = prior.camera_at(state.whitened).project(cam_m) - sighted.observed_px
-    return residuals_px * (inside & sighted.measured)[..., None]
-
-
-def _gram(columns: Array, sighted: SightedTargets) -> Array:
-    """Gram matrices, shape (K, 16, 16), of columns (16, K, 16, 2) that lack the whitening and the own rotations.
-
-    A target's own movement ``translation + rotation x arm`` moves the image by ``d`` and ``arm x d``, where d is the
-    image's derivative by the dot.
-    """
-    w00, w10, w11 = np.moveaxis(sighted.whiteners, -1, 0)
-    for part in (columns[:3], columns[OWN_COUNT:]):
-        part[..., 1] *= w11
-        part[..., 1] += w10 * part[..., 0]
-        part[..., 0] *= w00
-    x, y, z = columns[:3]
-    arm_x, arm_y, arm_z = np.moveaxis(sighted.arms_m[:, :, None], -1, 0)
-    columns[3] = arm_y * z - arm_z * y
-    columns[4] = arm_z * x - arm_x * z
-    columns[5] = arm_x * y - arm_y * x
-    rows = np.swapaxes(columns.reshape(*columns.shape[:2], -1), 0, 1)
-    return np.asarray(rows @ np.swapaxes(rows, 1, 2))
-
-
-def _eliminated(gram: Array, own_covariances: Array, to_centres_m: Array) -> Array:
-    """Products (K, 16, 16) of pose, intrinsics and residual: own unknowns out (Schur complement), the pose in."""
-    own = gram[:, :OWN_COUNT]
-    # (Q^-1 + N)^-1 without inverting Q, which is zero for a perfect map.
-    gain = np.linalg.solve(np.eye(OWN_COUNT) + own_covariances @ own[:, :, :OWN_COUNT], own_covariances)
-    reduced = gram - np.swapaxes(own, 1, 2) @ (gain @ own)
-    own_from_pose = np.zeros((len(gram), OWN_COUNT, POSE_COUNT))
-    diagonal = np.arange(OWN_COUNT)
-    own_from_pose[:, diagonal, diagonal] = -1.0  # the camera's movement is the target's movement the other way
-    own_from_pose[:, :3, 3:] = skew(to_centres_m)
-    reduced[:, :OWN_COUNT] = np.swapaxes(own_from_pose, 1, 2) @ reduced[:, :OWN_COUNT]
-    reduced[:, :, :OWN_COUNT] = reduced[:, :, :OWN_COUNT] @ own_from_pose
-    return np.asarray(reduced)
+    pose, residuals_px = state.site_from_cam, np.empty(sighted.observed_px.shape)
+    place = (np.ascontiguousarray(pose.rotation), pose.position_m, prior.camera_at(state.whitened).intrinsics)
+    seen = (sighted.centres_m, sighted.arms_m, sighted.observed_px, sighted.measured)
+    measure_residuals(place, seen, residuals_px)
+    return residuals_px

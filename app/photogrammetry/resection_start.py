@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from app.geometry.camera import Camera
+from app.geometry.camera import UNDISTORT_STEPS, Camera
+from app.geometry.kernels.undistortion import normalise_points
 from app.geometry.pose import Pose
 from app.photogrammetry.planar_pose import PlanarPoseOptions, planar_poses
 from app.photogrammetry.resection_input import SightedTargets
@@ -98,7 +99,9 @@ def find_start(sighted: SightedTargets, camera: Camera, options: StartOptions | 
     weights = sighted.measured / np.maximum(sighted.dot_counts, 1)[:, None]
     middles_px = (weights[:, None] @ sighted.observed_px)[:, 0]
     dots_px = sighted.observed_px[proposers].reshape(-1, 2)
-    normalised = camera.normalise(np.concatenate([middles_px, dots_px]))  # one call: it iterates
+    points_px = np.concatenate([middles_px, dots_px])
+    normalised = np.empty_like(points_px)
+    normalise_points(camera.intrinsics, points_px, UNDISTORT_STEPS, normalised)
     middles, dots = normalised[: len(sighted)], normalised[len(sighted) :].reshape(len(proposers), -1, 2)
     rotations, positions_m, exists = _propose(sighted.take(proposers), dots, options)
     if not exists.any():
