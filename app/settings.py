@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -196,8 +196,10 @@ def _truth_of(text: str) -> bool:
 
 
 def _parsed(name: str, kind: str, text: str) -> Any:
-    parse = {"Path": Path, "int": int, "float": float, "str": str, "bool": _truth_of}[kind]
+    parsers: dict[str, Callable[[str], Any]] = {
+        "Path": Path, "int": int, "float": float, "str": str, "bool": _truth_of,
+    }  # fmt: skip
     try:
-        return parse(text)
+        return parsers[kind](text)
     except ValueError as error:
         raise InvalidInput(f"{PREFIX}{name.upper()}={text!r} is no {KINDS[kind]}; correct or unset it") from error

@@ -17,7 +17,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
+import pytest
 from PIL import Image
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
 
 from app.cli.demo_service import without_settings
 from app.storage.database import Database
@@ -28,6 +31,7 @@ from tests.jobs.test_pool import is_gone
 from tests.storage.examples import publication
 
 WAIT_S = 180.0  # for a machine that is busy with other things
+SERVICE_RESTART = 1012  # IANA's registry of WebSocket close codes
 SIGTERM_EXIT = 143  # the shell's number for it
 PHOTO_PX = (1200, 800)
 
@@ -39,6 +43,10 @@ class Running:
     process: subprocess.Popen[str]
     client: httpx.Client
     log: Path
+
+    def stream_url(self, site_id: str) -> str:
+        """Of the WebSocket that takes snapshots."""
+        return f"ws://{self.client.base_url.netloc.decode()}/locate/stream?site_id={site_id}"
 
     def events(self) -> list[dict[str, object]]:
         return [json.loads(line) for line in self.log.read_text().splitlines()]
@@ -142,15 +150,19 @@ def test_what_has_begun_is_answered_and_nothing_stays(tmp_path: Path) -> None:
         watcher.start()
         upload = crowd.submit(client.put, f"/surveys/{survey_id}/images/a.png", content=body_in_two_parts())
         snapshot = crowd.submit(client.post, f"/locate?site_id={site_id}", content=body_in_two_parts())
-        # The scrape itself, the watcher, the upload and the snapshot.
-        until(lambda: Scrape(client.get("/metrics").text).value("scattermark_http_requests_in_flight") >= 4)
-        children = running.children()
-        assert children
-        running.process.send_signal(signal.SIGTERM)
-        until(lambda: any(event["event"] == "Shutting down" for event in running.events()))
-        told.set()
-        assert snapshot.result(WAIT_S).json()["reason"] == "no-targets"
-        assert upload.result(WAIT_S).status_code == 201
+        with connect(running.stream_url(site_id)) as socket:
+            # The scrape itself, the watcher, the upload and the snapshot.
+            until(lambda: Scrape(client.get("/metrics").text).value("scattermark_http_requests_in_flight") >= 4)
+            children = running.children()
+            assert children
+            running.process.send_signal(signal.SIGTERM)
+            until(lambda: any(event["event"] == "Shutting down" for event in running.events()))
+            told.set()
+            assert snapshot.result(WAIT_S).json()["reason"] == "no-targets"
+            assert upload.result(WAIT_S).status_code == 201
+            with pytest.raises(ConnectionClosed) as closed:
+                socket.recv(WAIT_S)
+            assert closed.value.rcvd is not None and closed.value.rcvd.code == SERVICE_RESTART
         watcher.join(WAIT_S)
         assert not watcher.is_alive() and watcher.fault is None
         assert running.process.wait(WAIT_S) == 0
