@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 from types import ModuleType
-from typing import Protocol
+from typing import Any, Protocol
 
 import pytest
 from sqlalchemy import NullPool, create_engine, make_url, text
@@ -124,12 +124,19 @@ class PostgresDatabases:
 
 @contextmanager
 def postgres_server() -> Iterator[str]:
-    """URL of a Postgres that lives until the block ends. A missing wheel is an error: both databases count."""
+    """URL of a Postgres that lives until the block ends."""
+    with postgres_instance() as server:
+        yield server.get_uri()
+
+
+@contextmanager
+def postgres_instance() -> Iterator[Any]:
+    """A Postgres that can be stopped and started. A missing wheel is an error: both databases count."""
     folder = Path(tempfile.mkdtemp(prefix="scattermark-"))  # a short path: the server's socket lies beside its data
     try:
         server = _server_package(folder).get_server(folder / "data", cleanup_mode="delete")
         try:
-            yield server.get_uri()
+            yield server
         finally:
             server.cleanup()
     finally:

@@ -42,6 +42,7 @@ HEADER_ERRORS = (
     ZeroDivisionError,
     struct.error,
 )
+NO_MEMORY = -4  # OpenCV's StsNoMem
 DECODE_FLAGS = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
 
 
@@ -191,6 +192,8 @@ def _decode(data: bytes) -> Pixels:
     try:
         bgr = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), DECODE_FLAGS)
     except cv2.error as error:
+        if error.code == NO_MEMORY:
+            raise MemoryError("the decoder had no memory for the pixels") from error
         raise BadPhoto("the photograph cannot be decoded: take or copy it again") from error
     if bgr is None:
         raise BadPhoto("the photograph is truncated or damaged and cannot be decoded: take or copy it again")
@@ -215,7 +218,7 @@ def _exif(image: Image.Image) -> dict[int, Any]:
     with warnings.catch_warnings():
         # Pillow warns of damaged entries that it skips: what is left of the block is still good.
         warnings.simplefilter("ignore", UserWarning)
-        exif = image.getexif()
+        exif = Image.Image.getexif(image)  # a PNG's own decodes its pixels, to look behind them
         return {**dict(exif), **exif.get_ifd(ExifTags.IFD.Exif)}
 
 

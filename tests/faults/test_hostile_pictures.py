@@ -57,7 +57,7 @@ def test_a_body_that_is_packed_is_not_unpacked(ledger: Ledger) -> None:
 def hasty(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
     """A service that gives a snapshot a second."""
     settings = Settings(data_dir=tmp_path_factory.mktemp("hasty"), locate_workers=1, build_workers=1)
-    with serve(replace(settings, locate_timeout_s=2.0)) as running, closing(Ledger(running)) as kept:
+    with serve(replace(settings, locate_timeout_s=2.0), worker=False) as running, closing(Ledger(running)) as kept:
         yield kept
 
 

@@ -33,7 +33,7 @@ ROOM_BYTES = 32 * 2**20  # less than that
 def narrow(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
     """One worker, three seconds for a snapshot."""
     settings = Settings(data_dir=tmp_path_factory.mktemp("narrow"), locate_workers=1, build_workers=1)
-    with serve(replace(settings, locate_timeout_s=LIMIT_S)) as running, closing(Ledger(running)) as kept:
+    with serve(replace(settings, locate_timeout_s=LIMIT_S), worker=False) as running, closing(Ledger(running)) as kept:
         yield kept
 
 

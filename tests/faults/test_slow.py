@@ -31,7 +31,7 @@ def impatient(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
     limits = replace(settings, upload_grace_s=GRACE_S, max_slow_uploads=MOST_SLOW)
     with pytest.MonkeyPatch.context() as patience:
         patience.setattr(PatientProtocol, "header_timeout_s", HEADERS_S)
-        with serve(limits) as running, closing(Ledger(running)) as kept:
+        with serve(limits, worker=False) as running, closing(Ledger(running)) as kept:
             yield kept
 
 

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from app.errors import BadPhoto
-from app.vision.photo import load_photo
+from app.vision.photo import load_photo, read_header
 from app.vision.png_chunks import check_chunks
-from tests.api.bad_photos import encoded
+from tests.api.bad_photos import encoded, png_that_promises
 
 PICTURE = np.random.default_rng(1).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 PNG = encoded(PICTURE, "PNG")
 PIXELS_AT = PNG.index(b"IDAT") - 4
 MOST_KB = 256 * 1024
+PIXELS_KB = 8000 * 5000 * 3 // 1024
 
 
 def test_a_whole_picture_passes_with_whatever_stands_behind_it() -> None:
@@ -36,3 +37,10 @@ def test_a_chunk_longer_than_its_file_takes_no_memory(size: bytes) -> None:
     with pytest.raises(BadPhoto, match="truncated or damaged"):
         load_photo(PNG[:PIXELS_AT] + size + PNG[PIXELS_AT + 4 :])
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kb < MOST_KB
+
+
+def test_a_header_is_read_without_the_pixels() -> None:
+    """A picture of 40 megapixels in a few bytes would else be decoded by whoever wants to know its size."""
+    before_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert read_header(png_that_promises(8000, 5000)).width_px == 8000
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kb < PIXELS_KB / 2
