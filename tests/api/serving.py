@@ -23,7 +23,7 @@ from app.settings import PREFIX, Settings
 
 ROOM = Path(__file__).parents[2] / "examples" / "room"
 START_S = 60.0
-BUILD_S = 120.0
+BUILD_S = 300.0
 PROBLEM_TYPE = "application/problem+json"
 ENDED = ("succeeded", "failed", "cancelled")
 

@@ -17,7 +17,7 @@ import httpx
 from app.settings import Settings
 from tests.api.serving import Served, environment_of
 
-PATIENCE_S = 120.0
+PATIENCE_S = 300.0
 MARK = "SCATTERMARK_TEST_INSTALLATION"  # in the environment of every process of one installation
 
 

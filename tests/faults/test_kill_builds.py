@@ -99,55 +99,64 @@ def test_a_killed_worker_comes_back_and_goes_on_where_it_was(installation: Insta
         await_adjustment(served, second)
         installation.kill(*WORKER)
         assert_published_once(served, second, versions=2)
-        installation.kill(*WORKER)  # after the publication
-
-        third = begun(served, survey_id)
-        assert_published_once(served, third, versions=3)
         assert len(detections(served.settings)) == len(FEW)
-        assert {row.strikes for row in rows(served.settings, JobRow.strikes)} <= {0, 1}
 
 
-@pytest.mark.parametrize("killed", [(SERVICE,), (SERVICE, WORKER)], ids=["service", "service and worker"])
-def test_a_killed_service_leaves_no_process_and_the_next_one_ends_the_build(
-    installation: Installation, killed: tuple[tuple[str, str], ...]
-) -> None:
+def test_a_killed_service_leaves_no_process_and_the_next_one_ends_the_build(installation: Installation) -> None:
     with installation.serving() as served:
         job_id = begun(served, surveyed(served))
         await_detection(served, job_id)
-        for words in killed:
-            installation.kill(*words)
+        installation.kill(*SERVICE)
         installation.await_end_of_all()
         before = detections(served.settings)
+    with installation.serving() as served:
+        await_adjustment(served, job_id)
+        installation.kill(*SERVICE)
+        installation.kill(*WORKER)
+        installation.await_end_of_all()
     with installation.serving() as served:
         assert_published_once(served, job_id)
         assert before <= detections(served.settings)
         assert len(detections(served.settings)) == len(FEW)
 
 
-def test_a_worker_told_to_stop_hands_its_job_over(installation: Installation) -> None:
-    with installation.serving("--no-worker") as served:
-        worker = installation.start_worker()
-        job_id = begun(served, surveyed(served))
-        await_detection(served, job_id)
-        os.kill(worker, signal.SIGTERM)
-        wait_until(lambda: not installation.pids(*WORKER), "the worker goes on")
-        assert served.client.get(f"/jobs/{job_id}").json()["state"] == "running"
-        installation.start_worker()
-        assert_published_once(served, job_id)
-        assert rows(served.settings, JobRow.strikes)[0].strikes == 0
-
-
 def test_another_worker_takes_over_on_postgres(tmp_path: Path, postgresql: PostgresDatabases) -> None:
     url = migrated(postgresql.empty())
     settings = Settings(data_dir=tmp_path, database_url=url, locate_workers=1, build_workers=1)
     with Installation(settings) as installation, installation.serving("--no-worker") as served:
-        workers = [installation.start_worker() for _ in range(2)]
-        job_id = begun(served, surveyed(served))
-        await_detection(served, job_id)
-        owner = rows(settings, JobRow.owner)[0].owner
-        oldest_first = [row.id for row in sorted(rows(settings, WorkerRow.id))]
-        os.kill(workers[oldest_first.index(owner)], signal.SIGKILL)
-        assert_published_once(served, job_id)
+        workers = {}
+        for _ in range(2):
+            pid = installation.start_worker()
+            (worker_id,) = signed_up(settings) - set(workers)
+            workers[worker_id] = pid
+        survey_id = surveyed(served)
+        first = begun(served, survey_id)
+        await_detection(served, first)
+        dead = owner_of(settings, first)
+        os.kill(workers.pop(dead), signal.SIGKILL)
+        assert_published_once(served, first)
+        assert signed_up(settings) == set(workers)
+
+        second = begun(served, survey_id)
+        await_adjustment(served, second)
+        (last,) = workers.values()
+        os.kill(last, signal.SIGTERM)
+        wait_until(lambda: not installation.pids(*WORKER), "the worker goes on")
+        assert served.client.get(f"/jobs/{second}").json()["state"] == "running"
+        installation.start_worker()
+        assert_published_once(served, second, versions=2)
+        assert strikes(settings)[second] == 0  # who is told to stop was not killed by its job
         assert len(detections(settings)) == len(FEW)
-        assert [row.id for row in rows(settings, WorkerRow.id)] == [other for other in oldest_first if other != owner]
     postgresql.take_back(url)
+
+
+def signed_up(settings: Settings) -> set[str]:
+    return {row.id for row in rows(settings, WorkerRow.id)}
+
+
+def owner_of(settings: Settings, job_id: str) -> str:
+    return next(row.owner for row in rows(settings, JobRow.id, JobRow.owner) if row.id == job_id)
+
+
+def strikes(settings: Settings) -> dict[str, int]:
+    return {row.id: row.strikes for row in rows(settings, JobRow.id, JobRow.strikes)}
