@@ -9,7 +9,7 @@ the service and of a pool alone (same width, same work, no HTTP, no database) al
 pairs' ratios. The service has ``--workers`` processes and a queue for 32.
 
 "CPU ms" is the processor time of a request in the process that answers, beside its workers: unlike the clock it hardly
-minds what else the machine does. Clients take processor time too: the last column says how much of the machine; with few
+minds what else the machine does. Clients take processor time too, the last column says how much of it; with few
 cores that is taken from the service.
 
 ``--memory`` sends 10,000 requests from 8 clients instead, and fits a line to the memory that the processes take.

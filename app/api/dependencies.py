@@ -49,8 +49,8 @@ class Services:
     metrics: ServiceMetrics
 
 
-def services_of(request: Request) -> Services:
-    """The services that the lifespan started."""
+async def services_of(request: Request) -> Services:
+    """The services that the lifespan started; a coroutine, as the framework sends any other through a thread."""
     services = request.state.services
     assert isinstance(services, Services)
     return services
