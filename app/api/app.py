@@ -100,7 +100,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
 
 
 def _build_routes(app: FastAPI) -> None:
-    """Have the framework build all routes now: it would do so while the first request waits, for a tenth of a second."""
+    """Have the framework build all routes now: the first request would wait for it, for a tenth of a second."""
     nowhere = {"type": "http", "method": "GET", "path": "/", "root_path": "", "headers": [], "query_string": b""}
     for route in app.routes:
         route.matches(dict(nowhere))
