@@ -16,6 +16,7 @@ APP_DIR = Path(app.__file__).parent
 # The way the data takes: a folder or file of app/ may import what stands before it.
 ORDER = (
     "errors",
+    "compiled",  # a decorator of the library's innermost loops; knows nothing of them
     "settings",
     "logs",  # services and jobs bind their ids, whoever starts a process sets it up
     "targets",
