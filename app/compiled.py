@@ -15,7 +15,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from numba import config, njit
+from numba import njit
+from numba.core import config as numba_config
+
+config: Any = numba_config  # its settings are made when it is imported, out of sight of a type checker
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

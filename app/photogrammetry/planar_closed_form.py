@@ -26,6 +26,6 @@ def closed_form_poses(plane_m: Array, normalised: Array, weights: Array) -> tupl
         1 for a measured dot, 0 for another; the measured dots of each target are not collinear.
     """
     rotations, translations_m = np.empty((len(plane_m), 2, 3, 3)), np.empty((len(plane_m), 2, 3))
-    dots = (np.ascontiguousarray(part) for part in (plane_m, normalised, weights))
-    solve_planar_poses(*dots, rotations, translations_m)
+    plane_m, normalised, weights = (np.ascontiguousarray(part) for part in (plane_m, normalised, weights))
+    solve_planar_poses(plane_m, normalised, weights, rotations, translations_m)
     return rotations, translations_m

@@ -43,8 +43,8 @@ class AdjustmentOptions:
     max_camera_sigmas : float
         Longest step of the camera's unknowns: within three standard deviations it is what its prior says it is.
     max_shift : float
-        Longest step of the position, as a fraction of the (upper) median distance to the targets, and of the rotation, rad.
-        Beyond it the equations are not nearly linear; a step to infinity would make all residuals equal.
+        Longest step of the position, as a fraction of the (upper) median distance to the targets, and of the rotation,
+        rad. Beyond it the equations are not nearly linear; a step to infinity would make all residuals equal.
     first_damping : float
         Damping once a step has made things worse, a fraction of the normal matrix' diagonal; it then follows Nielsen,
         Damping Parameter in Marquardt's Method, 1999, equation 2.9.

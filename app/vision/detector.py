@@ -44,7 +44,7 @@ Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
 # Changes whenever the same photograph could give other numbers: stored detections are kept by it.
-DETECTOR_VERSION = "plate-1"
+DETECTOR_VERSION = "plate-2"
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,9 @@ class DetectorOptions:
     unexplained_ratio_max : float
         A blur that leaves this multiple of the least variance unexplained is not taken: the sharpest photographs are
         measured best at up to twice the least, while at ten times it green dots were read as black.
+    misfit_slack : float
+        The least blur whose misfit is within this multiple of the least is taken: a few plates tell no smaller
+        difference, and under too soft a template the inks of small dots run into each other.
     """
 
     strictness: Strictness = "normal"
@@ -74,6 +77,7 @@ class DetectorOptions:
     blurs_px: tuple[float, ...] = (0.5, 0.9, 1.3, 1.9)
     blur_plates: int = 5
     unexplained_ratio_max: float = 3.0
+    misfit_slack: float = 1.2
     dots: DotOptions = field(default_factory=DotOptions)
     grouping: GroupingOptions = field(default_factory=GroupingOptions)
     hidden_dots: HiddenDotOptions = field(default_factory=HiddenDotOptions)
@@ -176,7 +180,7 @@ def _choose_blur(patches: SizedPatches, size_px: tuple[int, int], options: Detec
     unexplained = np.median(1.0 - fits.explained().reshape(by_blur), axis=1)
     # Dots of a picture too blurred for the template may lie well on their grids, and yet have lost their colours.
     misfit[unexplained > options.unexplained_ratio_max * unexplained.min()] = np.inf
-    return options.blurs_px[int(np.argmin(misfit))]
+    return options.blurs_px[int(np.argmax(misfit <= options.misfit_slack * misfit.min()))]
 
 
 def _pyramid(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Pyramid:

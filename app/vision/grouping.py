@@ -26,8 +26,8 @@ class GroupingOptions:
     Attributes
     ----------
     neighbours : int
-        Blobs of like size about E that are looked at: four of its own plate and those of the plates around it, which stand
-        farther off than C unless plates touch.
+        Blobs of like size about E that are looked at: four of its own plate and those of the plates around it, which
+        stand farther off than C unless plates touch.
     nearest_a : int
         A is the base dot nearest to E: it stands among this many of the nearest blobs, even between touching plates.
     area_ratio_max : float

@@ -141,9 +141,7 @@ def complete_groups(
         return blobs, np.empty((0, 5), dtype=np.intp)
     nearest = nearest_of_like_size(pool, GroupingOptions(neighbours=options.neighbours))
     fours = find_fours(pool.centres_px, pool.semi_axes_px, nearest, options.extent_axes)
-    matches = match_relations(
-        pool.centres_px, pool.semi_axes_px, fours, CASES.relations, options.relation_max_axes
-    )
+    matches = match_relations(pool.centres_px, pool.semi_axes_px, fours, CASES.relations, options.relation_max_axes)
     case = np.concatenate([CASES.of_relation[relation] for _, relation in matches] or [matches[:0, 0]])
     four = np.repeat(matches[:, 0], [len(CASES.of_relation[relation]) for _, relation in matches])
     seen, hidden = CASES.seen[case], CASES.hidden[case]

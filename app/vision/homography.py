@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import dot_centres_u
-from app.vision.kernels.homographies import CORNER_DOT_U, measure_scales, through_all_corners
+from app.vision.kernels.homographies import measure_scales, through_all_corners
 from app.vision.kernels.refinement import fit_all
 
 Array = npt.NDArray[np.float64]
@@ -41,7 +41,8 @@ def fit_homographies(plate_u: Array, image_px: Array, weights: Array) -> Array:
     the point's depth, which varies by less than a third over a plate; good enough where residuals are noise.
     """
     image_from_plate = np.empty((len(image_px), 3, 3))
-    fit_all(*(np.ascontiguousarray(part) for part in (plate_u, image_px, weights)), image_from_plate)
+    plate_u, image_px, weights = (np.ascontiguousarray(part) for part in (plate_u, image_px, weights))
+    fit_all(plate_u, image_px, weights, image_from_plate)
     return image_from_plate
 
 

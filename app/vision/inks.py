@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
-from app.vision.homography import CORNER_DOT_U, PLATE_DOTS_U
+from app.vision.homography import PLATE_DOTS_U
+from app.vision.kernels.homographies import CORNER_DOT_U
 from app.vision.kernels.inkwell import BLACK_DIGIT, read_plates_inks
 
 Array = npt.NDArray[np.float64]

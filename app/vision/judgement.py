@@ -11,8 +11,8 @@ from app.targets.layout import BASE_CELLS
 from app.vision.centres import HOMOGRAPHY_PARAMETERS, DotCentres
 from app.vision.homography import PLATE_DOTS_U
 from app.vision.inks import InkReading
-from app.vision.kernels.inkwell import RED
 from app.vision.kernels.claims import keep_apart
+from app.vision.kernels.inkwell import RED
 from app.vision.kernels.misfits import sum_squares
 from app.vision.measurement import PlateFits
 

@@ -14,8 +14,8 @@ from app.targets.family import UNDECODABLE, CodeFamily
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS, DOT_COUNT
 from app.vision.centres import DotCentres
 from app.vision.inks import InkReading
-from app.vision.kernels.inkwell import HIDDEN_DIGIT
 from app.vision.judgement import COLOUR_REASONS, REASON_TEXT, Judgement
+from app.vision.kernels.inkwell import HIDDEN_DIGIT
 from app.vision.measurement import PlateFits
 
 Strictness = Literal["strict", "normal", "eager"]

@@ -5,7 +5,6 @@ from hypothesis import strategies as st
 
 from app.targets.layout import BASE_CELLS, DOT_PITCH_U, dot_centres_u
 from app.vision.homography import (
-    CORNER_DOT_U,
     PLATE_DOTS_U,
     apply_homographies,
     area_scales,
@@ -15,6 +14,7 @@ from app.vision.homography import (
     image_from_corner_dots,
     local_px_per_u,
 )
+from app.vision.kernels.homographies import CORNER_DOT_U
 from tests.vision.views import image_from_plate, views
 
 CORNERS = list(BASE_CELLS[:4])

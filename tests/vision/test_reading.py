@@ -9,8 +9,8 @@ from app.targets.family import UNDECODABLE, CodeFamily
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.centres import locate_dots
 from app.vision.inks import InkReading, read_inks
-from app.vision.kernels.inkwell import HIDDEN_DIGIT
 from app.vision.judgement import REASON_TEXT, Judgement
+from app.vision.kernels.inkwell import HIDDEN_DIGIT
 from app.vision.measurement import SizedPatches
 from app.vision.patches import Pyramid
 from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates

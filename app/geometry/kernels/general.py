@@ -27,13 +27,9 @@ def solve_general(matrix: Array, right: Array) -> None:
     """
     count, width = right.shape
     for pivot in range(count):
-        best = pivot
-        for row in range(pivot + 1, count):
-            if abs(matrix[row, pivot]) > abs(matrix[best, pivot]):
-                best = row
-        if best != pivot:
-            _swap_rows(matrix, pivot, best)
-            _swap_rows(right, pivot, best)
+        best = pivot + int(np.argmax(np.abs(matrix[pivot:, pivot])))
+        _swap_rows(matrix, pivot, best)
+        _swap_rows(right, pivot, best)
         for row in range(pivot + 1, count):
             factor = matrix[row, pivot] / matrix[pivot, pivot]
             for column in range(pivot, count):

@@ -23,9 +23,7 @@ def project(intrinsics: Array, x_m: float, y_m: float, z_m: float) -> tuple[floa
 
 
 @compiled("UniTuple(float64, 2)(float64[::1], float64[::1], float64[:, ::1], float64[:, ::1])")
-def linearise_projection(
-    intrinsics: Array, cam_m: Array, by_point: Array, by_intrinsics: Array
-) -> tuple[float, float]:
+def linearise_projection(intrinsics: Array, cam_m: Array, by_point: Array, by_intrinsics: Array) -> tuple[float, float]:
     """Pixel of a point before the camera, with its derivatives written: by the point (2, 3), by intrinsics (2, 9)."""
     fx, fy, cx, cy, k1, k2, p1, p2, k3 = intrinsics
     inverse_z = 1.0 / cam_m[2]
@@ -39,8 +37,16 @@ def linearise_projection(
     mixed = 2.0 * xy * radial_by_r2 + 2.0 * p1 * x + 2.0 * p2 * y
     xd_x, xd_y = fx * (radial + 2.0 * x2 * radial_by_r2 + 2.0 * p1 * y + 6.0 * p2 * x), fx * mixed
     yd_x, yd_y = fy * mixed, fy * (radial + 2.0 * y2 * radial_by_r2 + 6.0 * p1 * y + 2.0 * p2 * x)
-    by_point[0, 0], by_point[0, 1], by_point[0, 2] = xd_x * inverse_z, xd_y * inverse_z, -(xd_x * x + xd_y * y) * inverse_z
-    by_point[1, 0], by_point[1, 1], by_point[1, 2] = yd_x * inverse_z, yd_y * inverse_z, -(yd_x * x + yd_y * y) * inverse_z
+    by_point[0, 0], by_point[0, 1], by_point[0, 2] = (
+        xd_x * inverse_z,
+        xd_y * inverse_z,
+        -(xd_x * x + xd_y * y) * inverse_z,
+    )
+    by_point[1, 0], by_point[1, 1], by_point[1, 2] = (
+        yd_x * inverse_z,
+        yd_y * inverse_z,
+        -(yd_x * x + yd_y * y) * inverse_z,
+    )
     by_intrinsics[:] = 0.0
     by_intrinsics[0, 0], by_intrinsics[1, 1] = xd, yd
     by_intrinsics[0, 2], by_intrinsics[1, 3] = 1.0, 1.0

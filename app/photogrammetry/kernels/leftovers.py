@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -19,7 +21,7 @@ Mask = npt.NDArray[np.bool_]
     "void(Tuple((float64[:, ::1], float64[::1], float64[::1])), Tuple((float64[:, ::1], float64[:, :, ::1], "
     "float64[:, :, ::1], boolean[:, ::1])), float64[:, :, ::1])"
 )
-def measure_residuals(state: tuple[Array, ...], sighted: tuple[Array, ...], residuals_px: Array) -> None:
+def measure_residuals(state: tuple[Array, ...], sighted: tuple[Any, ...], residuals_px: Array) -> None:
     """Computed less observed dots, shape (K, 16, 2), written: zero where not measured, or where a dot has no image.
 
     Parameters

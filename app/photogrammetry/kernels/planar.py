@@ -101,7 +101,9 @@ def _write_rotation(turn: Array, upper: Array, lower: Array, rotation: Array) ->
     for row in range(3):
         for column in range(3):
             rotation[row, column] = (
-                turn[row, 0] * columns[0, column] + turn[row, 1] * columns[1, column] + turn[row, 2] * columns[2, column]
+                turn[row, 0] * columns[0, column]
+                + turn[row, 1] * columns[1, column]
+                + turn[row, 2] * columns[2, column]
             )
 
 
@@ -152,10 +154,10 @@ def _fit_translation(rotation: Array, plane: Array, image: Array, weights: Array
     solve_symmetric(normals, translation)
 
 
-@compiled(
-    "void(float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], float64[:, :, :, ::1], float64[:, :, ::1])"
-)
-def solve_planar_poses(plane_m: Array, normalised: Array, weights: Array, rotations: Array, translations_m: Array) -> None:
+@compiled("void(float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], float64[:, :, :, ::1], float64[:, :, ::1])")
+def solve_planar_poses(
+    plane_m: Array, normalised: Array, weights: Array, rotations: Array, translations_m: Array
+) -> None:
     """Both poses ``cam_from_target`` of K targets: rotations (K, 2, 3, 3) and translations (K, 2, 3), written.
 
     Parameters

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -22,7 +24,9 @@ FIELD_LIMIT = 3.0  # tangent of 72 degrees off the axis: beyond it Brown-Conrady
 def to_camera(rotation: Array, offset_m: Array, cam_m: Array) -> bool:
     """A point in the camera frame, written, by its offset from the camera in the site; whether it has an image."""
     for axis in range(3):
-        cam_m[axis] = rotation[0, axis] * offset_m[0] + rotation[1, axis] * offset_m[1] + rotation[2, axis] * offset_m[2]
+        cam_m[axis] = (
+            rotation[0, axis] * offset_m[0] + rotation[1, axis] * offset_m[1] + rotation[2, axis] * offset_m[2]
+        )
     return cam_m[2] > max(abs(cam_m[0]), abs(cam_m[1])) / FIELD_LIMIT
 
 
@@ -36,7 +40,9 @@ def _fill_rows(rotation: Array, arm_m: Array, root: Array, by: Array, rows: Arra
     for row in range(2):
         line = rows[row]
         for axis in range(3):
-            line[axis] = rotation[axis, 0] * by[row, 0] + rotation[axis, 1] * by[row, 1] + rotation[axis, 2] * by[row, 2]
+            line[axis] = (
+                rotation[axis, 0] * by[row, 0] + rotation[axis, 1] * by[row, 1] + rotation[axis, 2] * by[row, 2]
+            )
         line[3] = arm_m[1] * line[2] - arm_m[2] * line[1]
         line[4] = arm_m[2] * line[0] - arm_m[0] * line[2]
         line[5] = arm_m[0] * line[1] - arm_m[1] * line[0]
@@ -80,17 +86,22 @@ def _to_pose(reduced: Array, to_centre_m: Array) -> None:
         reduced[row, 5] = y * a - x * b - reduced[row, 5]
 
 
+@compiled("void(float64[:, ::1], float64[:, ::1])")
+def _to_gain(gram: Array, gain: Array) -> None:
+    """A target's own covariance Q to (Q^-1 + N)^-1, in place, without inverting Q: it is zero for a perfect map."""
+    mixed = np.eye(OWN)
+    for row in range(OWN):
+        for column in range(OWN):
+            for inner in range(OWN):
+                mixed[row, column] += gain[row, inner] * gram[inner, column]
+    solve_general(mixed, gain)
+
+
 @compiled("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[:, ::1])")
 def _eliminate(gram: Array, own_covariance: Array, to_centre_m: Array, reduced: Array) -> None:
     """Products of pose, intrinsics and residual, written: the own unknowns out (Schur complement), the pose in."""
-    # (Q^-1 + N)^-1 without inverting Q, which is zero for a perfect map.
-    mixed, gain = np.empty((OWN, OWN)), own_covariance.copy()
-    for row in range(OWN):
-        for column in range(OWN):
-            mixed[row, column] = 1.0 if row == column else 0.0
-            for inner in range(OWN):
-                mixed[row, column] += own_covariance[row, inner] * gram[inner, column]
-    solve_general(mixed, gain)
+    gain = own_covariance.copy()
+    _to_gain(gram, gain)
     gained = np.zeros((OWN, COLUMNS))
     for row in range(OWN):
         for inner in range(OWN):
@@ -110,7 +121,7 @@ def _eliminate(gram: Array, own_covariance: Array, to_centre_m: Array, reduced: 
     "float64[:, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], "
     "boolean[:, ::1])), Tuple((float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], boolean[::1])))"
 )
-def linearise_targets(state: tuple[Array, ...], sighted: tuple[Array, ...], equations: tuple[Array, ...]) -> None:
+def linearise_targets(state: tuple[Array, ...], sighted: tuple[Any, ...], equations: tuple[Any, ...]) -> None:
     """The collinearity equations of K targets at a state.
 
     Parameters

@@ -42,7 +42,7 @@ def measure_power(samples: Array32, right: Array, solved: Array, ridge: float, r
             squares = np.float32(0.0)
             for sample in range(count):
                 squares += line[sample] * line[sample]
-            power += squares
+            power += float(squares)
             for coefficient in range(COEFFICIENTS):
                 explained += b[coefficient] * x[coefficient]
             for coefficient in range(PAPER, COEFFICIENTS):

@@ -24,6 +24,15 @@ def _is_around(nearest: Indices, blob: int, four: Indices) -> bool:
     return around == FOUR - 1
 
 
+@compiled("boolean(int64[:, ::1], int64, int64[::1])")
+def _is_known(nearest: Indices, blob: int, four: Indices) -> bool:
+    """Whether an earlier one of four blobs has the others around it, too."""
+    known = 0
+    for other in four:
+        known += other < blob and _is_around(nearest, int(other), four)
+    return known > 0
+
+
 @compiled("boolean(float64[:, ::1], float64[:, ::1], int64[::1], float64)")
 def _is_compact(centres_px: Array, semi_axes_px: Array, four: Indices, extent_axes: float) -> bool:
     """Whether four blobs stand no farther apart than a plate's."""
@@ -59,10 +68,7 @@ def find_fours(centres_px: Array, semi_axes_px: Array, nearest: Indices, extent_
                     four[2], four[3] = nearest[blob, second], nearest[blob, third]
                     if not _is_compact(centres_px, semi_axes_px, four, extent_axes):
                         continue
-                    known = False
-                    for other in four:
-                        known = known or (other < blob and _is_around(nearest, other, four))
-                    if known:
+                    if _is_known(nearest, blob, four):
                         continue
                     if count == len(fours):
                         fours = np.concatenate((fours, np.empty(fours.shape, dtype=np.int64)))

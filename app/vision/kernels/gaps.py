@@ -58,7 +58,7 @@ def _agrees(image_from_plate: Array, base_px: Array, radii_px: Array, bounds: tu
     x, y = image_of(image_from_plate, E_U, E_U)
     offset_px = np.hypot(x - base_px[E, 0], y - base_px[E, 1])
     ratio = np.median(radii_px) / px_per_u
-    return offset_px < e_offset_u * px_per_u + e_offset_px and ratio > least and ratio < most
+    return bool(offset_px < e_offset_u * px_per_u + e_offset_px and least < ratio < most)
 
 
 @compiled("float64(uint8[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], UniTuple(float64, 8))")
@@ -84,7 +84,7 @@ def _black_between(
 @compiled(
     "void(uint8[:, :, ::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1], UniTuple(float64, 8), float64[::1])"
 )
-def weigh_groups(  # noqa: PLR0913 - what they are, where they stand, and the result
+def weigh_groups(
     bgr: Pixels, base_px: Array, radii_px: Array, gaps_u: Array, bounds: tuple[float, ...], contrast: Array
 ) -> None:
     """Red over black of groups of five blobs, shape (G,), written: grey values, 0 for those that are no plate.

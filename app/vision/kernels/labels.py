@@ -120,7 +120,7 @@ def _merged(moments: Array, parents: Indices, labels: int) -> Array:
 
 
 @compiled("float64[:, ::1](uint8[:, ::1], uint8[:, ::1], uint8)")
-def label_blobs(redness: Pixels, hot: Pixels, floor: int) -> Array:
+def label_blobs(redness: Pixels, hot: Pixels, floor: np.uint8) -> Array:
     """Moments, shape (N, 6), of the blobs of pixels above half their peak: count, x, y, xx, yy, xy.
 
     Parameters

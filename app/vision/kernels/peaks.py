@@ -65,7 +65,7 @@ def _lift(pixels: Pixels, shift: int, lifted: Pixels) -> None:
 
 
 @compiled("void(uint8[:, ::1], uint8, int64, int64, uint8[:, ::1])")
-def mark_upper_half(redness: Pixels, floor: int, top: int, left: int, marked: Pixels) -> None:
+def mark_upper_half(redness: Pixels, floor: np.uint8, top: int, left: int, marked: Pixels) -> None:
     """Mark the pixels of a tile that stand above half their peak and above the floor.
 
     Parameters

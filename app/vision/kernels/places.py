@@ -13,30 +13,23 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 
-@compiled("void(float64[::1], float64[:, ::1])")
-def _to_luma_and_chroma(colour: Array, ycc_from_bgr: Array) -> None:
-    """Blue, green, red to luma and the two chromas, in place."""
-    blue, green, red = colour
-    for row in range(3):
-        colour[row] = ycc_from_bgr[row, 0] * blue + ycc_from_bgr[row, 1] * green + ycc_from_bgr[row, 2] * red
-
-
 @compiled("UniTuple(float64, 3)(float64[::1], float64[:, ::1], float64[:, ::1])")
 def _offset(amplitude: Array, slope: Array, ycc_from_bgr: Array) -> tuple[float, float, float]:
     """How far a dot stands from its place, x and y in u, and its squared amplitude.
 
-    A disc moved by d adds ``amplitude * derivative . d`` in every channel: the least-squares ratio over luma and chroma,
-    whose noise is independent.
+    A disc moved by d adds ``amplitude * derivative . d`` in every channel: the least-squares ratio over luma and
+    chroma, whose noise is independent.
     """
-    colour, along, down = amplitude.copy(), slope[0].copy(), slope[1].copy()
-    _to_luma_and_chroma(colour, ycc_from_bgr)
-    _to_luma_and_chroma(along, ycc_from_bgr)
-    _to_luma_and_chroma(down, ycc_from_bgr)
     power, x, y = 0.0, 0.0, 0.0
-    for channel in range(3):
-        power += colour[channel] * colour[channel]
-        x += along[channel] * colour[channel]
-        y += down[channel] * colour[channel]
+    for row in range(3):
+        colour, along, down = 0.0, 0.0, 0.0
+        for channel in range(3):
+            colour += ycc_from_bgr[row, channel] * amplitude[channel]
+            along += ycc_from_bgr[row, channel] * slope[0, channel]
+            down += ycc_from_bgr[row, channel] * slope[1, channel]
+        power += colour * colour
+        x += along * colour
+        y += down * colour
     power = max(power, 1.0)
     return x / power, y / power, power
 

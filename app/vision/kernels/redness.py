@@ -11,7 +11,6 @@ from app.vision.kernels.peaks import TILE_COLUMNS, TILE_ROWS
 Pixels = npt.NDArray[np.uint8]
 
 
-
 @compiled("void(uint8[::1], uint8[::1])")
 def _raise(peak: Pixels, line: Pixels) -> None:
     """Lift each element of ``peak`` to that of ``line``."""
@@ -20,7 +19,9 @@ def _raise(peak: Pixels, line: Pixels) -> None:
 
 
 @compiled("void(uint8[:, :, ::1], float32, float32, uint8, uint8[:, ::1], uint8[:, ::1])")
-def measure_redness(bgr: Pixels, gain: float, ratio: float, floor: int, redness: Pixels, hot: Pixels) -> None:
+def measure_redness(
+    bgr: Pixels, gain: np.float32, ratio: np.float32, floor: np.uint8, redness: Pixels, hot: Pixels
+) -> None:
     """Redness of all pixels, and 1 for each tile that has some above the floor inside or one pixel around it.
 
     Parameters

@@ -47,7 +47,7 @@ def _place(level_from_plate: Array, axis_u: Array, stride: int, first: Indices, 
 
 
 @compiled("float32(uint8[::1], uint8[::1], int64, float32, float32)")
-def _between(above: Pixels, below: Pixels, channel: int, along: float, down: float) -> float:
+def _between(above: Pixels, below: Pixels, channel: int, along: np.float32, down: np.float32) -> np.float32:
     """Bilinear between two pixels above and two below."""
     upper, lower = np.float32(above[channel]), np.float32(below[channel])
     upper += along * (np.float32(above[channel + 3]) - upper)
@@ -98,7 +98,7 @@ def _interpolate_clamped(level: Pixels, level_from_plate: Array, axis_u: Array, 
 @compiled(
     "void(uint8[:, :, ::1], float64[:, :, ::1], int64[::1], float64, float64[::1], float32[::1], float32[:, :, ::1])"
 )
-def sample_plates(  # noqa: PLR0913 - a picture, which plates where, how, and the result
+def sample_plates(
     level: Pixels,
     image_from_plate: Array,
     plates: Indices,
