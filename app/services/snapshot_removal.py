@@ -59,7 +59,10 @@ class SnapshotEraser:
         NotFound, StorageUnavailable
         """
         if wanted.device_id is None and wanted.before_s is None:
-            raise InvalidInput("name device_id, before or both; DELETE /sites/{site_id} removes a site with all it has")
+            raise InvalidInput(
+                "name device_id, before or both; DELETE /sites/{site_id} removes a site with all it has",
+                field="device_id",
+            )
         count = 0
         while True:
             with self._database.writing() as session:

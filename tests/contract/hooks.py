@@ -5,6 +5,7 @@ A refusal is let pass only when its problem names one of these rules; any other 
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,9 @@ import schemathesis
 from hypothesis import strategies
 
 from tests.api.bad_photos import encoded
+
+ARCHIVE = "application/zip"
+OWN_KEY = "SCATTERMARK_CONTRACT_KEY_ID"
 
 
 @dataclass(frozen=True)
@@ -53,8 +57,15 @@ RULES = (
     # No pattern knows the calendar, and none compares two parameters.
     Rule("GET /trajectories.*", ("invalid-input",), ("from", "to", "bbox")),
     Rule("POST /locate", ("invalid-input",), ("captured_at",)),
-    # A form's field is a text; what JSON it must hold is said in words.
-    Rule("POST /locate", ("invalid-input",), tuple(f"{place}.camera" for place in ("body", "query"))),
+    Rule("DELETE /sites/.*/snapshots", ("invalid-input",), ("before", "device_id")),  # one of them must be there
+    # A form's field is a text; what JSON it must hold is said in words. A raw body has its fields in the query, where
+    # the document cannot ask for them, since a form has them elsewhere.
+    Rule("POST /locate", ("invalid-input",), ("body.camera", "query.camera", "query.site_id")),
+    # A time to come, a digest of these very bytes, an archive.
+    Rule("POST /keys", ("invalid-input",), ("expires_at",)),
+    Rule("PUT /surveys/.*/images.*", ("invalid-input",), ("Content-Digest",)),
+    Rule("PUT /surveys/.*/images.*", ("digest-mismatch",)),
+    Rule("POST /sites/import", ("bad-archive",)),
     # Only what an answer named before: the cursor of a page, the id of an event.
     Rule("GET .*", ("invalid-input",), ("cursor", "Last-Event-ID")),
     # Names and codes of this survey and this site; codes of the site's family; points that can carry a datum.
@@ -71,9 +82,24 @@ for media_type in (*PHOTOGRAPHS, "application/octet-stream"):
     schemathesis.openapi.media_type(media_type, strategies.sampled_from([*PHOTOGRAPHS.values()]) | strategies.binary())
 
 
+schemathesis.openapi.media_type(ARCHIVE, strategies.binary())
+
+
+@schemathesis.serializer(ARCHIVE)
+def serialize_archive(_context: schemathesis.SerializationContext, value: bytes) -> bytes:
+    """An archive is its bytes."""
+    return value
+
+
+@schemathesis.hook
+def filter_case(context: schemathesis.HookContext, case: schemathesis.Case) -> bool:  # noqa: ARG001 - its signature
+    """Revoke any key but the one that the calls are made with."""
+    return case.method != "DELETE" or (case.path_parameters or {}).get("key_id") != os.environ[OWN_KEY]
+
+
 @schemathesis.hook
 def filter_failure(
-    context: schemathesis.HookContext,  # noqa: ARG001 - the hook's signature
+    context: schemathesis.HookContext,  # noqa: ARG001 - its signature
     failure: Exception,
     case: schemathesis.Case,
     response: schemathesis.Response,

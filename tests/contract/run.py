@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 from app.storage.target_maps import TargetMapRepository
 from tests.api.bad_photos import encoded
 from tests.api.serving import Served
+from tests.contract.hooks import OWN_KEY
 from tests.storage.examples import publication
 
 CHECKOUT = Path(__file__).parents[2]
@@ -51,6 +53,7 @@ def configuration(stored: Stored, folder: Path) -> str:
     """A schemathesis.toml: what is stored is named often, and never deleted."""
     dictionaries = [f"dictionaries.{name}.values = [{json.dumps(value)}]" for name, value in vars(stored).items()]
     bindings = [f'"path.{name}" = {{ dictionary = "{name}", probability = {HALF} }}' for name in vars(stored)]
+    bindings.append(f'"query.site_id" = {{ dictionary = "site_id", probability = {HALF} }}')
     return "\n".join(
         [
             f"cache.directory = {json.dumps(str(folder / 'cache'))}",
@@ -65,11 +68,15 @@ def configuration(stored: Stored, folder: Path) -> str:
 
 
 def hold_to_contract(served: Served, folder: Path, examples: int, seed: int | None) -> subprocess.CompletedProcess[str]:
-    """Run all checks of all phases over all operations; the return code is 0 when none failed."""
+    """Run all checks of all phases over all operations with the client's key; the return code is 0 when none failed."""
     config = folder / "schemathesis.toml"
     config.write_text(configuration(store_examples(served), folder))
     document = str(served.client.base_url.join("/openapi.json"))
     scope = ["--max-examples", str(examples), "--continue-on-failure", "--generation-database", "none", "--no-color"]
     fixed = [] if seed is None else ["--seed", str(seed)]
-    command = [sys.executable, "-m", "schemathesis.cli", "--config-file", str(config), "run", document, *scope, *fixed]
-    return subprocess.run(command, cwd=CHECKOUT, capture_output=True, text=True, check=False)
+    shown = ["--header", f"Authorization: {served.client.headers['Authorization']}"]
+    environment = {**os.environ, OWN_KEY: served.client.get("/session").json()["key_id"]}
+    run = [sys.executable, "-m", "schemathesis.cli", "--config-file", str(config), "run", document]
+    return subprocess.run(
+        [*run, *scope, *fixed, *shown], cwd=CHECKOUT, env=environment, capture_output=True, text=True, check=False
+    )

@@ -13,7 +13,7 @@ from app.storage.audit import AuditRepository
 router = APIRouter(tags=["audit"])
 
 
-@router.get("/audit", responses=problems(422), dependencies=[needs("admin")])
+@router.get("/audit", responses=problems(404, 422), dependencies=[needs("admin")])
 def list_audit(page: Paging, session: ReadSession, key_id: Id | None = None, site_id: Id | None = None) -> AuditAnswer:
     """Who changed what, the newest first; of one key or site when named. Snapshots stand in their trajectories."""
     return AuditAnswer.of(AuditRepository(session).page(page, key_id, site_id))

@@ -11,7 +11,7 @@ from app.api.problems import problems
 from app.api.schemas.snapshots import SnapshotsRemoved
 from app.api.schemas.texts import Text
 from app.api.security import needs
-from app.services.trajectories import time_range
+from app.services.capture_time import seconds_of
 from app.storage.snapshot_removal import SnapshotFilter
 
 router = APIRouter(tags=["snapshots"])
@@ -27,7 +27,7 @@ def snapshots_wanted(
     before: Annotated[str | None, Query(max_length=100, description=BEFORE)] = None,
 ) -> SnapshotFilter:
     """Which snapshots of a site are meant."""
-    return SnapshotFilter(site_id, device_id, time_range(None, before).to_s)
+    return SnapshotFilter(site_id, device_id, None if before is None else seconds_of(before, "before"))
 
 
 @router.get(
