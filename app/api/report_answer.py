@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import Response
 
 from app.services.report_work import ReportFormat, WrittenReport
-from app.services.survey_report.html.page import CONTENT_SECURITY_POLICY
+from app.services.reporting.html.page import CONTENT_SECURITY_POLICY
 
 MEDIA_TYPES: dict[ReportFormat, str] = {
     "html": "text/html; charset=utf-8",

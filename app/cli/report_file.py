@@ -30,7 +30,8 @@ def write_report_file(path: Path, survey: SurveyResult, map_path: Path, site_nam
         return
     from app.services.photo_results import photo_results
     from app.services.report_work import report_file
-    from app.services.survey_report.material import Fingerprint, Heading, ReportMaterial, this_software
+    from app.services.reporting.software import this_software
+    from app.services.survey_report.material import Fingerprint, Heading, ReportMaterial
 
     now_s = time.time()
     heading = Heading(

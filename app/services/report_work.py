@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.services.maps import adjustment_report
+from app.services.reporting.html.page import html_of
+from app.services.reporting.pdf.file import pdf_of
 from app.services.survey_report.compose import compose
 from app.services.survey_report.gather import gather
-from app.services.survey_report.html.page import html_of
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.pdf.file import pdf_of
 from app.services.workbench import workbench
 
 ReportFormat = Literal["html", "json", "pdf"]

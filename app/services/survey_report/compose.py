@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.services.survey_report.document import Document
+from app.services.reporting.document import Document
 from app.services.survey_report.material import ReportMaterial
 from app.services.survey_report.sections.adjustment import adjustment, plan
 from app.services.survey_report.sections.cameras import cameras

@@ -13,7 +13,8 @@ from app.photogrammetry.read_report import report_from_json
 from app.photogrammetry.report import AdjustmentReport
 from app.services.build_options import Exclusion
 from app.services.maps import PublishedMap, csv_of_map, published_map
-from app.services.survey_report.material import Extended, Fingerprint, Heading, ReportMaterial, this_software
+from app.services.reporting.software import this_software
+from app.services.survey_report.material import Extended, Fingerprint, Heading, ReportMaterial
 from app.storage.records import MapVersion
 from app.storage.surveys import SurveyRepository
 from app.storage.target_maps import TargetMapRepository

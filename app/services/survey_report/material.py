@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import version
 
 from app.geometry.target_map import TargetMap
 from app.photogrammetry.report import AdjustmentReport
 from app.services.build_options import Exclusion
 from app.storage.records import PhotoResult
-
-
-def this_software() -> str:
-    """Name and version, as a report states them."""
-    return f"Scattermark {version('scattermark')}"
 
 
 @dataclass(frozen=True)

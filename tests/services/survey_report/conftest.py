@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from app.photogrammetry.survey import SurveyResult
+from app.services.reporting.document import Document
 from app.services.survey_report.compose import compose
-from app.services.survey_report.document import Document
 from app.services.survey_report.material import ReportMaterial
 from tests.services.survey_report.scene import faulty_material, good_survey, material_of
 

@@ -9,11 +9,11 @@ import pytest
 
 from app.geometry.pose import Pose
 from app.photogrammetry.survey import SurveyResult
+from app.services.reporting.document import Document, Facts, Findings, KeyFigures, Signatures
 from app.services.survey_report.compose import compose
-from app.services.survey_report.document import Document, Facts, Findings, KeyFigures, Signatures
 from app.services.survey_report.material import ReportMaterial
+from tests.services.reporting.texts import cells, section_of, table_of, texts_of
 from tests.services.survey_report.scene import HOSTILE, ROOM, STATIONS
-from tests.services.survey_report.texts import cells, section_of, table_of, texts_of
 
 
 def number(text: str) -> float:

@@ -7,20 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-import pytest
 
 from app.geometry.target_map import MappedTarget
 from app.photogrammetry.image_residuals import ImageResiduals
-from app.services.survey_report.document import Figure
-from app.services.survey_report.drawing import Ellipse, Label, Path, Pen, Shape, arrow
-from app.services.survey_report.figures.axes import Axes, digits_of_step, nice_step, ticks
-from app.services.survey_report.figures.labels import legible
+from app.services.reporting.document import Figure
+from app.services.reporting.drawing import Ellipse, Label, Path, Shape
 from app.services.survey_report.figures.photo_residuals import photo_residuals
 from app.services.survey_report.figures.plan_view import PlanOptions, plan_view
 from app.services.survey_report.figures.residual_field import FieldOptions, residual_field
 from app.services.survey_report.figures.residual_histogram import residual_histogram
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import nice_below
 
 Array = npt.NDArray[np.float64]
 
@@ -120,12 +116,6 @@ def test_photographs_are_numbered_as_in_their_table(good: ReportMaterial) -> Non
         assert np.hypot(*(labels[str(number)] - place)) < 12.0  # it stands beside its photograph
 
 
-def test_no_label_covers_another() -> None:
-    places = [(0.0, 0.0), (10.0, 2.0), (40.0, 0.0), (0.0, 9.0)]
-    labels = [Label(np.array(place), "12345", size=8.0) for place in places]
-    assert legible(labels) == [labels[0], labels[2], labels[3]]
-
-
 def field(mean_px: Array, counts: int = 100) -> ImageResiduals:
     rows, columns = mean_px.shape[:2]
     full = np.full((rows, columns), counts)
@@ -170,29 +160,3 @@ def test_bars_of_photographs_are_their_residuals(good: ReportMaterial) -> None:
     heights = np.array([np.ptp(path.points[:, 1]) for path in paths(figure.drawing.shapes, "photo")])
     rms_px = np.array([photo.rms_px for photo in good.report.photos])
     np.testing.assert_allclose(heights / heights.max(), rms_px / rms_px.max(), atol=1e-9)
-
-
-def test_axes_grow_to_the_right_and_up() -> None:
-    axes = Axes(np.array([-1.0, 0.0]), np.array([1.0, 10.0]), np.array([5.0, 6.0]), np.array([100.0, 50.0]))
-    np.testing.assert_allclose(axes.place(np.array([[-1.0, 0.0], [1.0, 10.0]])), [[5.0, 56.0], [105.0, 6.0]])
-
-
-def test_an_arrow_of_no_length_is_nothing_and_a_short_one_keeps_its_tip() -> None:
-    pen = Pen("error")
-    assert arrow(np.zeros(2), np.zeros(2), pen) == ()
-    _, head = arrow(np.zeros(2), np.array([1.0, 0.0]), pen)
-    np.testing.assert_allclose(head.points[0], [1.0, 0.0])
-    assert head.points[:, 0].min() >= 0.5
-
-
-@pytest.mark.parametrize(
-    ("value", "nice"), [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (0.0499, 0.02), (0.05, 0.05), (7e5, 5e5)]
-)
-def test_round_numbers(value: float, nice: float) -> None:
-    assert nice_below(value) == pytest.approx(nice)
-
-
-def test_ticks_are_multiples_within_the_span() -> None:
-    assert ticks(-0.4, 0.4, 0.2) == pytest.approx([-0.4, -0.2, 0.0, 0.2, 0.4])
-    assert nice_step(0.0, 10.0, 5) == pytest.approx(2.0)
-    assert [digits_of_step(step) for step in (20.0, 1.0, 0.5, 0.02)] == [0, 0, 1, 2]

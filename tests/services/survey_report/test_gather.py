@@ -18,8 +18,8 @@ from app.services.survey_report.material import Extended
 from app.storage.database import Database
 from app.storage.records import Origin, PhotoResult, Publication
 from app.storage.target_maps import TargetMapRepository
+from tests.services.reporting.texts import table_of
 from tests.services.survey_report.scene import material_of
-from tests.services.survey_report.texts import table_of
 from tests.storage import examples
 
 WRITTEN_S = 1777631400.0

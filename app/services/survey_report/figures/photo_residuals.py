@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.photogrammetry.report import PhotoRecord
-from app.services.survey_report.document import Figure
-from app.services.survey_report.drawing import Drawing, Label, Pen, Shape, line, rectangle
-from app.services.survey_report.figures.axes import Axes, digits_of_step, nice_step, ticks
-from app.services.survey_report.numbers import pixels
+from app.services.reporting.document import Figure
+from app.services.reporting.drawing import Drawing, Label, Pen, Shape, line, rectangle
+from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step, ticks
+from app.services.reporting.numbers import pixels
 
 WIDTH, HEIGHT = 440.0, 150.0
 CORNER = np.array([42.0, 8.0])

@@ -1,4 +1,4 @@
-"""The plan's key: symbols, what they stand for, and how long lengths are."""
+"""The plan's key: symbols and what they stand for."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from app.services.survey_report.drawing import Ellipse, Ink, Label, Path, Pen, Shape, arrow, line
+from app.services.reporting.drawing import Ellipse, Ink, Label, Path, Pen, Shape, arrow, line
+from app.services.reporting.figures.scale_bar import KEY_SIZE
 
 Array = npt.NDArray[np.float64]
 
 SYMBOL = 4.0
-KEY_SIZE = 7.0
 WEDGE = np.array([[0.0, 0.0], [9.0, -4.0], [9.0, 4.0]])  # the angle of view, its tip at the projection centre
 ENTRIES: Sequence[tuple[Ink, str, float]] = (
     ("target", "target (plate)", 90.0),
@@ -29,13 +29,6 @@ def symbol(place: Array, ink: Ink) -> tuple[Shape, ...]:
         corners = SYMBOL * np.array([[0.0, -1.2], [1.0, 0.6], [-1.0, 0.6]])
         return (Path(place + corners, Pen(ink, 1.1), closed=True),)
     return (Ellipse(place, np.full(2, 0.85 * SYMBOL), 0.0, Pen(ink, 1.1)),)
-
-
-def scale_bar(at: Array, length: float, text: str, ink: Ink) -> list[Shape]:
-    """A length in points, and what it stands for."""
-    pen, end, tick = Pen(ink, 1.1), at + np.array([length, 0.0]), np.array([0.0, 3.0])
-    label = Label(end + np.array([6.0, 2.5]), text, ink, KEY_SIZE)
-    return [line(at, end, pen), line(at - tick, at + tick, pen), line(end - tick, end + tick, pen), label]
 
 
 def legend(at: Array) -> list[Shape]:

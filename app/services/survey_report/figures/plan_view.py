@@ -10,13 +10,14 @@ import numpy.typing as npt
 from app.geometry.pose import Pose
 from app.geometry.target_map import MappedTarget
 from app.photogrammetry.report import ControlRecord
-from app.services.survey_report.document import Figure
-from app.services.survey_report.drawing import Drawing, Ellipse, Ink, Label, Path, Pen, Shape, arrow, rectangle
-from app.services.survey_report.figures.axes import Axes, digits_of_step, nice_step
-from app.services.survey_report.figures.labels import legible
-from app.services.survey_report.figures.plan_key import SYMBOL, WEDGE, legend, scale_bar, symbol
+from app.services.reporting.document import Figure
+from app.services.reporting.drawing import Drawing, Ellipse, Ink, Label, Path, Pen, Shape, arrow, rectangle
+from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
+from app.services.reporting.figures.labels import legible
+from app.services.reporting.figures.scale_bar import scale_bar
+from app.services.reporting.numbers import MM_PER_M, count, fixed, nice_below
+from app.services.survey_report.figures.plan_key import SYMBOL, WEDGE, legend, symbol
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import MM_PER_M, count, fixed, nice_below
 from app.storage.records import PhotoResult
 from app.targets.layout import PLATE_SIDE_U
 

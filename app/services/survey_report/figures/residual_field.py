@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from app.photogrammetry.image_residuals import ImageResiduals
 from app.photogrammetry.report import CameraRecord
-from app.services.survey_report.document import Figure
-from app.services.survey_report.drawing import Drawing, Ellipse, Label, Pen, Shape, arrow, line, rectangle
-from app.services.survey_report.figures.axes import Axes
-from app.services.survey_report.numbers import count, fixed, nice_below
+from app.services.reporting.document import Figure
+from app.services.reporting.drawing import Drawing, Ellipse, Label, Pen, Shape, arrow, line, rectangle
+from app.services.reporting.figures.axes import Axes
+from app.services.reporting.numbers import count, fixed, nice_below
 
 Array = npt.NDArray[np.float64]
 

@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from app.photogrammetry.image_residuals import ImageResiduals
-from app.services.survey_report.document import Figure
-from app.services.survey_report.drawing import Drawing, Label, Path, Pen, Shape, rectangle
-from app.services.survey_report.figures.axes import Axes, digits_of_step, nice_step
-from app.services.survey_report.numbers import count, fixed
+from app.services.reporting.document import Figure
+from app.services.reporting.drawing import Drawing, Label, Path, Pen, Shape, rectangle
+from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
+from app.services.reporting.numbers import count, fixed
 
 Array = npt.NDArray[np.float64]
 

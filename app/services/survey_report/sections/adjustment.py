@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from app.photogrammetry.report import AdjustmentReport, PrintRecord
-from app.services.survey_report.document import Facts, Figure, Section
+from app.services.reporting.document import Facts, Figure, Section
+from app.services.reporting.numbers import MDEG_PER_DEG, MM_PER_M, count, fixed, metres, signed_percent
 from app.services.survey_report.figures.plan_view import plan_view
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import MDEG_PER_DEG, MM_PER_M, count, fixed, metres, signed_percent
 
 PARTS_PER_MILLION = 1e6
 PERCENT = 100.0

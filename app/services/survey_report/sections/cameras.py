@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from app.photogrammetry.image_residuals import ImageResiduals
 from app.photogrammetry.report import CameraRecord
-from app.services.survey_report.document import Block, Column, Facts, Section, Table
+from app.services.reporting.document import Block, Column, Facts, Section, Table
+from app.services.reporting.numbers import fixed, pixels
 from app.services.survey_report.figures.residual_field import residual_field
 from app.services.survey_report.figures.residual_histogram import residual_histogram
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import fixed, pixels
 
 LENGTHS = ("fx", "fy", "cx", "cy")  # in px; the others are numbers
 LENGTH_DIGITS, NUMBER_DIGITS = 3, 6

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from app.services.survey_report.document import Column, Finding, Findings, Paragraph, Section, Table
+from app.services.reporting.document import Column, Finding, Findings, Paragraph, Section, Table
+from app.services.reporting.numbers import fixed, listed
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import fixed, listed
 from app.services.survey_report.sections.points import doubtful_points
 
 MOST_LISTED = 20

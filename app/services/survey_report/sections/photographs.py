@@ -7,10 +7,10 @@ import numpy as np
 from app.geometry.pose import Pose
 from app.geometry.rotation import photogrammetric_angles_deg
 from app.photogrammetry.report import PhotoRecord
-from app.services.survey_report.document import Block, Column, Section, Table
+from app.services.reporting.document import Block, Column, Section, Table
+from app.services.reporting.numbers import MDEG_PER_DEG, MISSING, fixed, metres, millimetres, pixels
 from app.services.survey_report.figures.photo_residuals import photo_residuals
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import MDEG_PER_DEG, MISSING, fixed, metres, millimetres, pixels
 from app.services.survey_report.sections.findings import left_out_photographs
 
 ANGLE_DIGITS, QUATERNION_DIGITS, TURN_DIGITS = 4, 6, 1

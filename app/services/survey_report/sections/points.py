@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from app.photogrammetry.report import AdjustmentReport, ControlRecord
-from app.services.survey_report.document import Column, Paragraph, Section, Table
+from app.services.reporting.document import Column, Paragraph, Section, Table
+from app.services.reporting.numbers import MISSING, fixed, metres, millimetres
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import MISSING, fixed, metres, millimetres
 
 Array = npt.NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.services.survey_report.document import Paragraph, Section, Signatures
+from app.services.reporting.document import Paragraph, Section, Signatures
 from app.services.survey_report.material import ReportMaterial
 
 DIGITS_SIGNED = 16  # of the digest: enough to tell any two maps apart, few enough to compare by eye

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from app.geometry.target_map import MappedTarget
-from app.services.survey_report.document import Facts, KeyFigure, KeyFigures, Section
+from app.services.reporting.document import Facts, KeyFigure, KeyFigures, Section
+from app.services.reporting.numbers import MISSING, MM_PER_M, count, fixed, millimetres, moment
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import MISSING, MM_PER_M, count, fixed, millimetres, moment
 from app.targets.layout import PLATE_SIDE_U
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.target_map import MappedTarget
-from app.services.survey_report.document import Column, Section, Table
+from app.services.reporting.document import Column, Section, Table
+from app.services.reporting.numbers import fixed, metres, millimetres, pixels
 from app.services.survey_report.material import ReportMaterial
-from app.services.survey_report.numbers import fixed, metres, millimetres, pixels
 from app.services.survey_report.sections.findings import left_out_targets
 from app.services.survey_report.sections.photographs import QUATERNION_DIGITS
 

@@ -10,9 +10,9 @@ from reportlab.lib.styles import ParagraphStyle
 from reportlab.platypus import CondPageBreak, Flowable, KeepTogether, Paragraph, TableStyle
 from reportlab.platypus import Table as PdfTable
 
-from app.services.survey_report.document import Column, Table
-from app.services.survey_report.pdf.fonts import BOLD, REGULAR, markup, width_of, written
-from app.services.survey_report.pdf.look import CAPTION, INKS, MARK, NOTE
+from app.services.reporting.document import Column, Table
+from app.services.reporting.pdf.fonts import BOLD, REGULAR, markup, width_of, written
+from app.services.reporting.pdf.look import CAPTION, INKS, MARK, NOTE
 
 SIZES = (7.5, 7.0, 6.5, 6.0, 5.5, 5.0, 4.5)
 PAD = 3.0

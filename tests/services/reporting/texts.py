@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from app.services.survey_report.document import (
+from app.services.reporting.document import (
     Block,
     Document,
     Facts,
@@ -16,7 +16,7 @@ from app.services.survey_report.document import (
     Signatures,
     Table,
 )
-from app.services.survey_report.drawing import Label
+from app.services.reporting.drawing import Label
 
 
 def texts_of(document: Document) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The report as one HTML file: no script, no request to anybody, its style inside and allowed by digest."""
+"""A document as one HTML file: no script, no request to anybody, its style inside and allowed by digest."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from base64 import b64encode
 from hashlib import sha256
 from importlib.resources import files
 
-from app.services.survey_report.document import Document
-from app.services.survey_report.html.blocks import section_html, shown
+from app.services.reporting.document import Document
+from app.services.reporting.html.blocks import section_html, shown
 
 STYLE = files(__package__).joinpath("style.css").read_text(encoding="utf-8")
 STYLE_DIGEST = b64encode(sha256(STYLE.encode()).digest()).decode()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from app.services.survey_report.drawing import Label
+from app.services.reporting.drawing import Label
 
 Array = npt.NDArray[np.float64]
 

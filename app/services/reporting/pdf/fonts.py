@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape
 from reportlab.pdfbase.pdfmetrics import registerFont, stringWidth
 from reportlab.pdfbase.ttfonts import TTFont
 
-from app.services.survey_report.text import readable
+from app.services.reporting.text import readable
 
 REGULAR, BOLD = "OpenSans-Regular", "OpenSans-Semibold"
 

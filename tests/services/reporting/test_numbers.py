@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.services.survey_report.numbers import fixed, listed, metres, millimetres, moment, signed_percent
-from app.services.survey_report.text import readable
+from app.services.reporting.numbers import fixed, listed, metres, millimetres, moment, nice_below, signed_percent
+from app.services.reporting.text import readable
 
 
 def test_numbers_have_a_real_minus_and_zero_has_none() -> None:
@@ -29,3 +29,10 @@ def test_readable_text_is_one_line_of_what_can_be_seen() -> None:
     assert readable(" a\r\n\tb ") == "a b"
     assert readable("a\x00b\u202ec\ufeff") == "a�b�c�"
     assert readable("Łódź 会议室 🙂") == "Łódź 会议室 🙂"
+
+
+@pytest.mark.parametrize(
+    ("value", "nice"), [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (0.0499, 0.02), (0.05, 0.05), (7e5, 5e5)]
+)
+def test_round_numbers(value: float, nice: float) -> None:
+    assert nice_below(value) == pytest.approx(nice)

@@ -6,7 +6,7 @@ from reportlab.platypus import Flowable, KeepTogether, Spacer, TableStyle
 from reportlab.platypus import Paragraph as PdfParagraph
 from reportlab.platypus import Table as PdfTable
 
-from app.services.survey_report.document import (
+from app.services.reporting.document import (
     Block,
     Facts,
     Figure,
@@ -18,10 +18,10 @@ from app.services.survey_report.document import (
     Signatures,
     Table,
 )
-from app.services.survey_report.pdf import look
-from app.services.survey_report.pdf.drawing import DrawingFlowable
-from app.services.survey_report.pdf.fonts import BOLD, markup
-from app.services.survey_report.pdf.tables import table_flowables
+from app.services.reporting.pdf import look
+from app.services.reporting.pdf.drawing import DrawingFlowable
+from app.services.reporting.pdf.fonts import BOLD, markup
+from app.services.reporting.pdf.tables import table_flowables
 
 FIGURES_A_LINE = 3
 NAMES_SHARE = 0.27  # of the width, for the names of facts

@@ -5,8 +5,8 @@ from __future__ import annotations
 from reportlab.lib.colors import Color, HexColor
 from reportlab.lib.styles import ParagraphStyle
 
-from app.services.survey_report.drawing import Ink
-from app.services.survey_report.pdf.fonts import BOLD, REGULAR
+from app.services.reporting.drawing import Ink
+from app.services.reporting.pdf.fonts import BOLD, REGULAR
 
 # The light colours of the page's style.
 INKS: dict[Ink, Color] = {

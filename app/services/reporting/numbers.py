@@ -1,4 +1,4 @@
-"""Numbers as the report writes them: units chosen once, digits as many as are worth reading, a real minus."""
+"""Numbers as reports write them: units chosen once, digits as many as are worth reading, a real minus."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report as a PDF file: upright pages for reading, broad ones for wide tables, numbered, with an outline."""
+"""A document as a PDF file: upright pages for reading, broad ones for wide tables, numbered, with an outline."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from reportlab.platypus import (
     Paragraph,
 )
 
-from app.services.survey_report.document import Document, Figure, Section
-from app.services.survey_report.pdf.blocks import flowables_of
-from app.services.survey_report.pdf.fonts import REGULAR, markup, width_of, written
-from app.services.survey_report.pdf.look import HEADING, INKS, KICKER, TITLE
-from app.services.survey_report.text import readable
+from app.services.reporting.document import Document, Figure, Section
+from app.services.reporting.pdf.blocks import flowables_of
+from app.services.reporting.pdf.fonts import REGULAR, markup, width_of, written
+from app.services.reporting.pdf.look import HEADING, INKS, KICKER, TITLE
+from app.services.reporting.text import readable
 
 MARGIN = 42.0
 HEAD, FOOT = 26.0, 26.0  # baselines of head and foot, from the page's edges

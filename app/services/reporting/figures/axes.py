@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from app.services.survey_report.drawing import Label, Pen, Shape, line
-from app.services.survey_report.numbers import fixed, nice_below
+from app.services.reporting.drawing import Label, Pen, Shape, line
+from app.services.reporting.numbers import fixed, nice_below
 
 Array = npt.NDArray[np.float64]
 

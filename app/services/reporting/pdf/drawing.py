@@ -5,9 +5,9 @@ from __future__ import annotations
 from reportlab.pdfgen.canvas import Canvas
 from reportlab.platypus import Flowable
 
-from app.services.survey_report.drawing import Drawing, Ellipse, Label, Path, Pen, Shape
-from app.services.survey_report.pdf.fonts import REGULAR, width_of, written
-from app.services.survey_report.pdf.look import INKS
+from app.services.reporting.drawing import Drawing, Ellipse, Label, Path, Pen, Shape
+from app.services.reporting.pdf.fonts import REGULAR, width_of, written
+from app.services.reporting.pdf.look import INKS
 
 ROUND_JOIN = 1
 SHARE_BEFORE = {"start": 0.0, "middle": 0.5, "end": 1.0}

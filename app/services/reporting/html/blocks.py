@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from itertools import groupby
 
-from app.services.survey_report.document import (
+from app.services.reporting.document import (
     Block,
     Column,
     Facts,
@@ -18,8 +18,8 @@ from app.services.survey_report.document import (
     Signatures,
     Table,
 )
-from app.services.survey_report.html.svg import svg_of
-from app.services.survey_report.text import readable
+from app.services.reporting.html.svg import svg_of
+from app.services.reporting.text import readable
 
 
 def shown(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from app.services.survey_report.drawing import Drawing
+from app.services.reporting.drawing import Drawing
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from html import escape
 
-from app.services.survey_report.drawing import Drawing, Ellipse, Path, Pen, Shape
-from app.services.survey_report.text import readable
+from app.services.reporting.drawing import Drawing, Ellipse, Path, Pen, Shape
+from app.services.reporting.text import readable
 
 PX_PER_POINT = 4.0 / 3.0  # of CSS
 

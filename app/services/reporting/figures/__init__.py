@@ -1,0 +1,1 @@
+"""What figures have in common: axes, labels that can be read, keys."""
