@@ -4,13 +4,11 @@ import pytest
 
 from app.targets.layout import DOT_COUNT, DOT_RADIUS_U, PLATE_SIDE_U
 from app.vision.homography import PLATE_DOTS_U
+from app.vision.kernels.coefficients import BACKGROUND, COEFFICIENTS, PAPER, PER_DOT
 from app.vision.template import (
-    BACKGROUND,
     BLUR_LEVELS,
     BLUR_STEP_U,
-    COEFFICIENTS,
     PATCH_REACH_U,
-    PER_DOT,
     PatchGrid,
     blur_level,
     blurred_disc,
@@ -73,7 +71,7 @@ def test_design_columns_are_the_dots_and_their_differences(grid: PatchGrid, leve
     steps_u = step_u * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     design = plate_template(grid, level).design
     assert design.shape == (grid.value**2, COEFFICIENTS)
-    columns = design[:, : BACKGROUND.start].reshape(len(samples_u), DOT_COUNT, PER_DOT)[:, dots]
+    columns = design[:, :BACKGROUND].reshape(len(samples_u), DOT_COUNT, PER_DOT)[:, dots]
     moved = disc_columns(samples_u, (PLATE_DOTS_U[dots, None] + steps_u).reshape(-1, 2), blur_u)
     disc, right, left, down, up = np.moveaxis(moved.reshape(len(samples_u), len(dots), 5), 2, 0)
     np.testing.assert_allclose(columns[..., 0], disc, atol=1e-6)
@@ -90,13 +88,13 @@ def test_the_paper_shows_where_the_blurred_plate_ends(level: int) -> None:
     inside = np.interp(PatchGrid.FINE.points_u(), axis, np.convolve(line, gauss(blur_u)[:, 0], mode="same"))
     paper = 1.0 - inside.prod(axis=1)
     design = plate_template(PatchGrid.FINE, level).design
-    np.testing.assert_allclose(design[:, BACKGROUND.stop], paper, atol=2e-3)
-    across = design[:, BACKGROUND.stop, None] * PatchGrid.FINE.points_u() / PATCH_REACH_U
-    np.testing.assert_allclose(design[:, BACKGROUND.stop + 1 :], across, atol=1e-6)
+    np.testing.assert_allclose(design[:, PAPER], paper, atol=2e-3)
+    across = design[:, PAPER, None] * PatchGrid.FINE.points_u() / PATCH_REACH_U
+    np.testing.assert_allclose(design[:, PAPER + 1 :], across, atol=1e-6)
 
 
 def test_the_background_is_a_plane() -> None:
-    design = plate_template(PatchGrid.ROUGH, 10).design[:, BACKGROUND]
+    design = plate_template(PatchGrid.ROUGH, 10).design[:, BACKGROUND:PAPER]
     points = PatchGrid.ROUGH.points_u() / PATCH_REACH_U
     np.testing.assert_allclose(design, np.column_stack([np.ones(len(points)), points]), atol=1e-6)
 
@@ -105,7 +103,7 @@ def test_the_background_is_a_plane() -> None:
 def test_coefficients_are_recovered_from_the_models_own_samples(grid: PatchGrid) -> None:
     template = plate_template(grid, 12)
     coefficients = np.random.default_rng(1).normal(size=COEFFICIENTS)
-    coefficients[BACKGROUND.stop :] = 0.0  # the paper's ridge holds these back
+    coefficients[PAPER:] = 0.0  # the paper's ridge holds these back
     solved = template.cofactors @ (template.design.T @ (template.design @ coefficients))
     np.testing.assert_allclose(solved, coefficients, atol=2e-3)  # float32 design
 
@@ -118,10 +116,10 @@ def test_a_dot_is_found_where_it_was_put(grid: PatchGrid, level: int) -> None:
     offset_u, amplitude = rng.uniform(-0.1, 0.1, (DOT_COUNT, 2)), rng.uniform(0.5, 2.0, DOT_COUNT)
     samples = 0.1 + disc_columns(samples_u, PLATE_DOTS_U + offset_u, blur_u) @ amplitude
     solved = template.cofactors @ (template.design.T @ samples)
-    dots = solved[: BACKGROUND.start].reshape(DOT_COUNT, PER_DOT)
+    dots = solved[:BACKGROUND].reshape(DOT_COUNT, PER_DOT)
     second_order_u = 0.1**2  # offsets squared, over the blur or the radius
     np.testing.assert_allclose(dots[:, 1:] / dots[:, :1], offset_u, atol=second_order_u)
-    assert solved[BACKGROUND.start] == pytest.approx(0.1, abs=0.05)
+    assert solved[BACKGROUND] == pytest.approx(0.1, abs=0.05)
     np.testing.assert_allclose(dots[:, 0], amplitude, rtol=0.1)
 
 
@@ -147,4 +145,4 @@ def test_samples_cover_the_plate_and_nothing_else(grid: PatchGrid) -> None:
     points_u = grid.points_u()
     assert np.abs(points_u).max() == PATCH_REACH_U < PLATE_SIDE_U / 2
     np.testing.assert_allclose(points_u.mean(axis=0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(grid.homogeneous_u()[:, :2], points_u, atol=1e-6)
+    np.testing.assert_array_equal(points_u[: grid.value, 0], grid.axis_u())
