@@ -108,6 +108,7 @@ class SnapshotRemoval:
             TrajectoryRow.site_id == site_id,
             TrajectoryRow.device_id == device_id,
             TrajectoryRow.removed_count == TrajectoryRow.snapshot_count,
+            TrajectoryRow.imported_count == 0,
         )
         return len(self._session.scalars(empty.returning(TrajectoryRow.id)).all())
 

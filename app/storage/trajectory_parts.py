@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 from app.errors import InvalidInput
+from app.storage.pose_blobs import joined
 from app.storage.snapshots import Moment, NotFoundPose
 from app.trajectories.trajectory import Trajectory
 
@@ -13,8 +18,30 @@ BAD_BOX = "bbox takes x_min,y_min,x_max,y_max or x_min,y_min,z_min,x_max,y_max,z
 
 
 @dataclass(frozen=True)
+class FileSource:
+    """Where an imported trajectory came from.
+
+    Attributes
+    ----------
+    format, time_unit : str
+        Of the file.
+    note : str
+        What was found out about its stamps, for people.
+    oriented, with_covariances, with_floors : bool
+        What it tells beside positions.
+    """
+
+    format: str
+    time_unit: str
+    note: str
+    oriented: bool
+    with_covariances: bool
+    with_floors: bool
+
+
+@dataclass(frozen=True)
 class StoredTrajectory:
-    """Snapshots of one device on one site; a default one collects what names no other.
+    """Snapshots of one device on one site; a default one collects what names no other. Or poses that came as a file.
 
     Attributes
     ----------
@@ -26,6 +53,10 @@ class StoredTrajectory:
         How many by reason.
     first_s, last_s : float or None
         Earliest and latest time of capture, UTC; None while it is empty.
+    source : FileSource or None
+        None for one whose poses are located snapshots.
+    imported_count : int
+        Poses that came as a file.
     """
 
     trajectory_id: str
@@ -40,6 +71,13 @@ class StoredTrajectory:
     failures: tuple[tuple[str, int], ...]
     first_s: float | None
     last_s: float | None
+    source: FileSource | None = None
+    imported_count: int = 0
+
+    @property
+    def oriented(self) -> bool:
+        """Whether its poses have orientations."""
+        return self.source is None or self.source.oriented
 
     @property
     def failure_count(self) -> int:
@@ -48,8 +86,8 @@ class StoredTrajectory:
 
     @property
     def pose_count(self) -> int:
-        """Snapshots with a pose."""
-        return self.snapshot_count - self.removed_count - self.failure_count
+        """Snapshots with a pose, or poses that came as a file."""
+        return self.snapshot_count - self.removed_count - self.failure_count + self.imported_count
 
 
 @dataclass(frozen=True)
@@ -161,3 +199,37 @@ class TrajectoryPart:
     labels: tuple[Label, ...]
     failures: tuple[Failure, ...]
     end: Place | None
+
+
+@dataclass(frozen=True)
+class ImportedPart:
+    """Consecutive poses of a trajectory that came as a file.
+
+    Attributes
+    ----------
+    poses : Trajectory
+    ordinals : ndarray of int, shape (N,)
+        The how-manieth pose of the file each is, from 1.
+    end : Place or None
+        Where the next part begins; None when there is none.
+    """
+
+    poses: Trajectory
+    ordinals: npt.NDArray[np.int64]
+    end: Place | None
+
+    @classmethod
+    def of_pieces(cls, pieces: Sequence[ImportedPart]) -> ImportedPart:
+        """Consecutive pieces as one."""
+        if not pieces:
+            return cls(Trajectory(np.zeros(0), np.zeros((0, 3))), np.zeros(0, dtype=np.int64), None)
+        ordinals = np.concatenate([piece.ordinals for piece in pieces])
+        return cls(joined([piece.poses for piece in pieces]), ordinals, None)
+
+    def first(self, limit: int) -> ImportedPart:
+        """The first poses, and where the others begin."""
+        if len(self.poses) <= limit:
+            return self
+        kept = np.arange(limit)
+        end = Place(float(self.poses.times_s[limit - 1]), int(self.ordinals[limit - 1]))
+        return ImportedPart(self.poses.take(kept), self.ordinals[kept], end)

@@ -7,13 +7,14 @@ from collections.abc import Collection, Sequence
 from typing import Any, TypeAlias, TypeVarTuple, cast
 
 import numpy as np
-from sqlalchemy import ColumnElement, Row, Select, case, exists, select, tuple_
+from sqlalchemy import ColumnElement, Row, Select, case, exists, or_, select, tuple_
 from sqlalchemy.orm import Session
 
 from app.geometry.rotation import quaternion_xyzw
 from app.storage.belonging import within
 from app.storage.blobs import array_of_blob
-from app.storage.models import SnapshotRow, TrajectoryRow
+from app.storage.imported_trajectories import overlapping
+from app.storage.models import ImportedPosesRow, SnapshotRow, TrajectoryRow
 from app.storage.paging import Page, PageRequest, page_of
 from app.storage.snapshots import Moment, NotFoundPose, TimeSource
 from app.storage.trajectory_parts import (
@@ -119,14 +120,26 @@ def _conditions(wanted: TrajectoryFilter) -> list[ColumnElement[bool]]:
         conditions.append(TrajectoryRow.site_id == wanted.site_id)
     if wanted.device_id is not None:
         conditions.append(TrajectoryRow.device_id == wanted.device_id)
-    fitting = _in_range(wanted.times)
+    fitting, overlap = _in_range(wanted.times), overlapping(wanted.times)
     if wanted.box is not None:
         fitting += _in_box(wanted.box)
+        overlap += _meeting_box(wanted.box)
     if wanted.max_sigma_m is not None:
         fitting.append(SnapshotRow.sigma_m <= wanted.max_sigma_m)
+        overlap.append(ImportedPosesRow.least_sigma_m <= wanted.max_sigma_m)
     if fitting:  # a failure's position and sigma are null, which is in no box and below no sigma
-        conditions.append(exists().where(SnapshotRow.trajectory_id == TrajectoryRow.id, *fitting))
+        snapshots = exists().where(SnapshotRow.trajectory_id == TrajectoryRow.id, *fitting)
+        imported = exists().where(ImportedPosesRow.trajectory_id == TrajectoryRow.id, *overlap)
+        conditions.append(or_(snapshots, imported))
     return conditions
+
+
+def _meeting_box(box: Box) -> list[ColumnElement[bool]]:
+    """The condition that some thousand imported poses come near a box: what bounds them meets it."""
+    least = (ImportedPosesRow.least_x_m, ImportedPosesRow.least_y_m, ImportedPosesRow.least_z_m)
+    greatest = (ImportedPosesRow.greatest_x_m, ImportedPosesRow.greatest_y_m, ImportedPosesRow.greatest_z_m)
+    low = [axis >= value for axis, value in zip(greatest, box.least_m, strict=True) if math.isfinite(value)]
+    return low + [axis <= value for axis, value in zip(least, box.greatest_m, strict=True) if math.isfinite(value)]
 
 
 def _in_box(box: Box) -> list[ColumnElement[bool]]:

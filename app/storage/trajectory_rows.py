@@ -10,7 +10,7 @@ from typing import Any
 from app.errors import Conflict, NotFound
 from app.storage.ids import new_id
 from app.storage.snapshots import NewSnapshot, NotFoundPose
-from app.storage.trajectory_parts import StoredTrajectory
+from app.storage.trajectory_parts import FileSource, StoredTrajectory
 
 DEFAULT_NAME = "default"
 COUNTED = ("snapshot_count", "failures", "first_s", "last_s")  # columns that a snapshot changes
@@ -52,6 +52,8 @@ def stored_trajectory(row: Any) -> StoredTrajectory:
         failures=tuple(sorted(row.failures.items())),
         first_s=row.first_s,
         last_s=row.last_s,
+        source=None if row.source is None else FileSource(**row.source),
+        imported_count=row.imported_count,
     )
 
 

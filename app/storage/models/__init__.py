@@ -4,6 +4,14 @@ from __future__ import annotations
 
 from app.storage.models.access import AuditRow, BrowserSessionRow, KeyRow
 from app.storage.models.base import Base
+from app.storage.models.evaluations import (
+    EvaluatedPosesRow,
+    EvaluatedSystemRow,
+    EvaluationRow,
+    ImportedPosesRow,
+    LiveEvaluationRow,
+    LiveSampleRow,
+)
 from app.storage.models.jobs import JobRow, WorkerRow
 from app.storage.models.kept_snapshots import KeptSnapshotRow
 from app.storage.models.sites import ControlPointRow, SiteRow
@@ -18,9 +26,15 @@ __all__ = [
     "CameraRow",
     "ControlPointRow",
     "DetectionRow",
+    "EvaluatedPosesRow",
+    "EvaluatedSystemRow",
+    "EvaluationRow",
+    "ImportedPosesRow",
     "JobRow",
     "KeptSnapshotRow",
     "KeyRow",
+    "LiveEvaluationRow",
+    "LiveSampleRow",
     "MapPhotoRow",
     "MappedTargetRow",
     "PhotographRow",

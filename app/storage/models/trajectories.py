@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sqlalchemy import ForeignKey, Index, String, Text, UniqueConstraint
+from sqlalchemy import JSON, ForeignKey, Index, String, Text, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.storage.models.base import Base, Blob, Id, Json, Number, OfSite, Short
@@ -24,6 +24,9 @@ class TrajectoryRow(Base):
     failures: Mapped[Json]  # how many by reason
     first_s: Mapped[Number | None]
     last_s: Mapped[Number | None]
+    # Of one that came as a file: its poses are no snapshots, and no row of them is ever added.
+    source: Mapped[Json | None] = mapped_column(JSON(none_as_null=True))
+    imported_count: Mapped[int] = mapped_column(default=0)
 
 
 class SnapshotRow(Base):
