@@ -129,7 +129,7 @@ def linearise(sighted: SightedTargets, prior: CameraPrior, state: State) -> Targ
     gram, reduced = np.empty((2, count, COLUMNS, COLUMNS))
     residuals_px, seen_from_front = np.empty((count, DOT_COUNT, 2)), np.empty(count, dtype=np.bool_)
     intrinsics = prior.camera_at(state.whitened).intrinsics
-    place = (np.ascontiguousarray(pose.rotation), pose.position_m, intrinsics, prior.root)
+    place = (*_place(pose), intrinsics, np.ascontiguousarray(prior.root))
     linearise_targets(place, sighted.arrays, (gram, reduced, residuals_px, seen_from_front))
     to_centres_m = sighted.centres_m - pose.position_m
     return TargetEquations(
@@ -146,7 +146,13 @@ def linearise(sighted: SightedTargets, prior: CameraPrior, state: State) -> Targ
 def residuals_of(sighted: SightedTargets, prior: CameraPrior, state: State) -> Array:
     """Residuals at a state, px, shape (K, 16, 2): zero where not measured, or where a dot has no image."""
     pose, residuals_px = state.site_from_cam, np.empty(sighted.observed_px.shape)
-    place = (np.ascontiguousarray(pose.rotation), pose.position_m, prior.camera_at(state.whitened).intrinsics)
+    place = (*_place(pose), prior.camera_at(state.whitened).intrinsics)
     seen = (sighted.centres_m, sighted.arms_m, sighted.observed_px, sighted.measured)
     measure_residuals(place, seen, residuals_px)
     return residuals_px
+
+
+def _place(pose: Pose) -> tuple[Array, Array]:
+    """Rotation and position as compiled loops take them."""
+    rotation, position_m = (np.require(part, np.float64, ("C", "W")) for part in (pose.rotation, pose.position_m))
+    return rotation, position_m

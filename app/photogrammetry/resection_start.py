@@ -101,7 +101,7 @@ def find_start(sighted: SightedTargets, camera: Camera, options: StartOptions | 
     dots_px = sighted.observed_px[proposers].reshape(-1, 2)
     points_px = np.concatenate([middles_px, dots_px])
     normalised = np.empty_like(points_px)
-    normalise_points(camera.intrinsics, points_px, UNDISTORT_STEPS, normalised)
+    normalise_points(np.array(camera.intrinsics), points_px, UNDISTORT_STEPS, normalised)
     middles, dots = normalised[: len(sighted)], normalised[len(sighted) :].reshape(len(proposers), -1, 2)
     rotations, positions_m, exists = _propose(sighted.take(proposers), dots, options)
     if not exists.any():

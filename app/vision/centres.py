@@ -95,9 +95,10 @@ class DotCentres:
 
     def covariances_px2(self, options: CentreOptions) -> Array:
         """In pixels, shape (P, 16, 2, 2)."""
-        covariances_px2 = np.empty_like(self.covariances_u2)
+        covariances_u2, px_by_u = (np.ascontiguousarray(part) for part in (self.covariances_u2, self.px_by_u))
+        covariances_px2 = np.empty(covariances_u2.shape)
         floor_u2, floor_px2 = options.covariance_floor_u**2, options.covariance_floor_px**2
-        to_pixels(self.covariances_u2, self.px_by_u, floor_u2, floor_px2, covariances_px2)
+        to_pixels(covariances_u2, px_by_u, floor_u2, floor_px2, covariances_px2)
         return covariances_px2
 
 
@@ -162,7 +163,7 @@ def calibrated_covariances(
     factor = 1.0
     if trusted.any():
         squares = np.empty(len(redundancy))
-        measured = (dots.centres_px, covariances_px2, dots.measured)
+        measured = (np.ascontiguousarray(dots.centres_px), covariances_px2, np.ascontiguousarray(dots.measured))
         sum_normalised_squares(np.ascontiguousarray(image_from_plate), PLATE_DOTS_U, measured, squares)
         variances = squares[trusted] / redundancy[trusted]
         # The median keeps a bent plate from speaking for all.

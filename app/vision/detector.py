@@ -113,6 +113,7 @@ def detect(
         Targets with unique codes, and what was refused with its reason.
     """
     height_px, width_px = bgr.shape[:2]
+    bgr = np.require(bgr, np.uint8, ("C", "W"))  # compiled loops take arrays of one kind
     first = _candidates(bgr, options)
     if not len(first.px_per_u):
         return Detection(width_px, height_px, ())

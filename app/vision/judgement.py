@@ -144,7 +144,8 @@ def lacks_red(fits: PlateFits, inks: InkReading, options: JudgementOptions = Jud
 def misfit_px(dots: DotCentres, image_from_plate: Array) -> Array:
     """Root mean square per coordinate of the measured dots about their homographies, shape (P,), px."""
     squares = np.empty(len(image_from_plate))
-    sum_squares(np.ascontiguousarray(image_from_plate), PLATE_DOTS_U, dots.centres_px, dots.measured, squares)
+    homographies, centres_px = np.ascontiguousarray(image_from_plate), np.ascontiguousarray(dots.centres_px)
+    sum_squares(homographies, PLATE_DOTS_U, centres_px, np.ascontiguousarray(dots.measured), squares)
     # A plate with few dots has little left to disagree.
     redundancy = np.maximum(2 * dots.measured.sum(axis=1) - HOMOGRAPHY_PARAMETERS, 1)
     result: Array = np.sqrt(squares / redundancy)

@@ -230,3 +230,12 @@ def test_tiny_pictures_have_no_target(family: CodeFamily, size: tuple[int, int])
     detection = detect(np.full((*size, 3), (30, 30, 200), dtype=np.uint8), family)
     assert (detection.height_px, detection.width_px) == size
     assert detection.targets == () and detection.rejected == ()
+
+
+def test_how_a_picture_lies_in_memory_does_not_matter(shots: dict[str, Shot], family: CodeFamily) -> None:
+    bgr = shots["sharpened"].bgr
+    strided = np.asfortranarray(bgr)
+    strided.flags.writeable = False
+    for seen, expected in zip(detect(strided, family).targets, detect(bgr, family).targets, strict=True):
+        assert seen.code == expected.code
+        np.testing.assert_array_equal(seen.centres_px, expected.centres_px)

@@ -67,7 +67,7 @@ def test_slopes_over_amplitudes_are_how_far_the_dots_stand_off(clean: Shot) -> N
     fits = fitted(clean, moved)
     red, slopes = fits.amplitudes[:, BASE, RED], fits.slopes[:, BASE][..., RED]
     # The patch was taken too far along the shift: the dots stand back by it, but for its square.
-    np.testing.assert_allclose(slopes / red[..., None], np.broadcast_to(-shift_u, slopes.shape), atol=0.02)
+    np.testing.assert_allclose(slopes / red[..., None], np.broadcast_to(-shift_u, slopes.shape), atol=0.022)
 
 
 def test_plates_of_all_sizes_are_fitted_in_their_order(mixed: Shot) -> None:
