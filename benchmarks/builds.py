@@ -19,15 +19,16 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from sqlalchemy import select
 
 from app.cli.demo_service import without_settings
 from app.cli.detect_file import detect_file
-from app.cli.in_parallel import in_parallel
 from app.cli.room import Room, open_room
 from app.cli.service_client import ServiceClient
-from app.photogrammetry.survey import PlateSpec, adjust_survey
+from app.jobs.pool import WorkerPool
+from app.photogrammetry.survey import PlateSpec, SurveyPhoto, adjust_survey
 from app.storage.database import Database
 from app.storage.migrate import upgrade
 from app.storage.models import DetectionRow, JobRow, WorkerRow
@@ -67,7 +68,7 @@ class Bench:
 
     def build(self, strictness: str) -> str:
         """Ask for a build; its id."""
-        self.client.close()  # the service has long hung up; the next call opens a new connection
+        self.client.close()  # as in job
         return str(self.client.post("surveys", self.survey_id, "build", body={"strictness": strictness})["job_id"])
 
     def seconds_until(self, condition: Callable[[], bool]) -> float:
@@ -79,9 +80,15 @@ class Bench:
             time.sleep(LOOK_S)
         return time.monotonic() - began_s
 
+    def job(self, job_id: str) -> dict[str, Any]:
+        """How far a build is."""
+        self.client.close()  # the service hangs up on who is silent for some seconds; the next call connects anew
+        answer: dict[str, Any] = self.client.get("jobs", job_id)
+        return answer
+
     def ended(self, job_id: str) -> bool:
         """Whether a build has ended; well, or not at all."""
-        job = self.client.get("jobs", job_id)
+        job = self.job(job_id)
         if job["state"] == "failed":
             raise SystemExit(f"a build failed: {job['error']['detail']}")
         return bool(job["state"] == "succeeded")
@@ -127,7 +134,7 @@ def killed(bench: Bench, worker: subprocess.Popen[str], others: int) -> tuple[fl
     """Seconds from the death of the worker that has a build until it goes on, and photographs detected twice."""
     workers = [worker, *(bench.start_worker() for _ in range(others))]
     job_id = bench.build("eager")
-    bench.seconds_until(lambda: bench.client.get("jobs", job_id)["done"] > 0)
+    bench.seconds_until(lambda: bench.job(job_id)["done"] > 0)
     owner = bench.one(JobRow.owner, JobRow.id == job_id)
     with bench.database.reading() as session:
         signed_up = list(session.scalars(select(WorkerRow.id).order_by(WorkerRow.id)))
@@ -145,16 +152,19 @@ def killed(bench: Bench, worker: subprocess.Popen[str], others: int) -> tuple[fl
 
 
 def bare(room: Room) -> float:
-    """Seconds for the same detection and adjustment by the pool alone, its start not counted."""
+    """Seconds for the same detection and adjustment by a warm pool alone: the second of two times."""
     detector = choose_detector("default", "strict")
-    began_s: list[float] = []
+    with WorkerPool(os.cpu_count() or 1, len(room.survey)) as pool:
+        for _ in range(2):
+            began_s = time.monotonic()
+            tasks = [pool.submit(detect_file, path, "golay", detector) for path in room.survey]
+            pool.submit(adjust, [task.result() for task in tasks], room.plate_u_m).result()
+    return time.monotonic() - began_s
 
-    def report(stage: str, done: int, total: int) -> None:  # noqa: ARG001 - as it is called
-        began_s.append(time.monotonic())
 
-    photos = in_parallel(detect_file, list(room.survey), ("golay", detector), os.cpu_count() or 1, report)
-    adjust_survey(photos, (), PlateSpec("golay", room.plate_u_m))
-    return time.monotonic() - began_s[0]
+def adjust(photos: list[SurveyPhoto], plate_u_m: float) -> int:
+    """Adjust in a process of the pool; how many targets."""
+    return len(adjust_survey(photos, (), PlateSpec("golay", plate_u_m)).target_map.targets)
 
 
 @contextmanager
