@@ -8,7 +8,7 @@ ROOM ?= examples/room
 BIN := $(VENV)/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format bench clean
+.PHONY: help demo test lint format bench soak contract clean
 
 help: ## what can be made
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1|/' | column -t -s '|'
@@ -32,6 +32,12 @@ bench: $(VENV)/.ready-bench ## accuracy and speed of a room with truth, and of o
 	@$(BIN)/python -m benchmarks.accuracy "$(ROOM)"
 	@$(BIN)/python -m benchmarks.speed --peers "$(ROOM)"
 
+soak: $(VENV)/.ready-test ## hours of malformed images, watched memory and twice the load: make soak [SOAK="--mutants 10000 --minutes 5"]
+	@$(BIN)/python -m benchmarks.soak $(SOAK) "$(ROOM)"
+
+contract: $(VENV)/.ready-test ## many requests by the OpenAPI document, other ones each time: make contract [EXAMPLES=300]
+	@SCATTERMARK_CONTRACT_EXAMPLES=$(or $(EXAMPLES),300) $(BIN)/python -m pytest tests/contract
+
 clean: ## remove the virtual environment and caches
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis benchmarks/out
 
@@ -39,9 +45,10 @@ clean: ## remove the virtual environment and caches
 $(VENV)/.ready: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "No Python 3.11 or newer found that runs: install one, or say make PYTHON=/path/to/python." >&2; exit 1; }
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON) is older than Python 3.11: install a newer one, or say make PYTHON=/path/to/python." >&2; exit 1; }
-	@echo "Setting up $(VENV) with $(PYTHON) (once)" >&2
+	@echo "Setting up $(VENV) with $(PYTHON) (once), and compiling the measuring loops for this machine" >&2
 	@"$(BIN)/python" -c 'import ssl, venv' 2>/dev/null || "$(PYTHON)" -m venv --clear "$(VENV)" || { echo "$(PYTHON) cannot make a virtual environment: install its venv module (Debian and Ubuntu: apt install python3-venv)." >&2; exit 1; }
 	@"$(BIN)/python" -m pip install --quiet --disable-pip-version-check --editable .
+	@"$(BIN)/scattermark" compile
 	@touch $@
 
 $(VENV)/.ready-test: $(VENV)/.ready
