@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,6 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from llvmlite import binding
 from numba import njit
 from numba.core import config as numba_config
 
@@ -23,6 +25,7 @@ config: Any = numba_config  # its settings are made when it is imported, out of 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 APP_FOLDER = Path(__file__).parent
+SOURCE_CACHE_FOLDER = APP_FOLDER / "__pycache__"
 USER_CACHE_FOLDER = Path.home() / ".cache" if "HOME" in os.environ else Path(tempfile.gettempdir())
 # Sums may be reordered, so that they run on vector registers; infinities and NaN stay what they are.
 REORDERED = {"reassoc", "contract", "nsz", "arcp"}
@@ -47,6 +50,34 @@ def compiled(signature: str) -> Callable[[Function], Function]:
     return compile_now
 
 
+def can_be_kept() -> bool:
+    """Whether there is a folder for compiled code; without one each process compiles for itself."""
+    return _kept_in() is not None
+
+
+def is_kept() -> bool:
+    """Whether all kernels were compiled for this machine's processor, so that a start takes a second."""
+    folder = _kept_in()
+    return folder is not None and (folder / _complete()).exists()
+
+
+def note_all_kept() -> None:
+    """Say that every module with kernels was imported; what an older release kept beside the source goes."""
+    folder = _kept_in()
+    if folder is None:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / _complete()).touch()
+    if folder.parent == SOURCE_CACHE_FOLDER:  # another folder may be shared with another installation
+        for old in folder.parent.glob("kernels-*"):
+            if old != folder:
+                shutil.rmtree(old, ignore_errors=True)
+
+
+def _complete() -> str:
+    return f"complete-{binding.get_host_cpu_name()}"
+
+
 @cache
 def _kept_in() -> Path | None:
     """Where compiled code is kept: beside the source, else in the user's cache; None when neither can be written.
@@ -57,7 +88,7 @@ def _kept_in() -> Path | None:
     name = f"kernels-{_digest()}"
     if config.CACHE_DIR:
         return Path(config.CACHE_DIR) / name
-    for parent in (APP_FOLDER / "__pycache__", USER_CACHE_FOLDER / "scattermark"):
+    for parent in (SOURCE_CACHE_FOLDER, USER_CACHE_FOLDER / "scattermark"):
         with suppress(OSError):
             (parent / name).mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=parent / name).close()

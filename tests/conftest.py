@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
+from app.cli.compile_ import compile_first
 from app.storage.database import Database
 from tests.databases import Databases, PostgresDatabases, SqliteDatabases, postgres_server
 from tests.object_stores import S3Server, s3_server
@@ -16,6 +17,11 @@ from tests.object_stores import S3Server, s3_server
 # that a red run means a change; at a desk they differ, and find more.
 settings.register_profile("scattermark", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("scattermark")
+
+
+def pytest_sessionstart() -> None:
+    """Compile once: the services that tests start would each do it, and at the same time."""
+    compile_first()
 
 
 @pytest.fixture(scope="session")

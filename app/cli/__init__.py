@@ -13,6 +13,7 @@ from typing import Any
 from app.cli import (
     backup,
     build,
+    compile_,
     demo,
     detect,
     doctor,
@@ -40,6 +41,7 @@ COMMANDS = {
     "keys": keys,
     "migrate": migrate,
     "purge": purge,
+    "compile": compile_,
     "backup": backup,
     "restore": restore,
     "export": export,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, add_reading, add_workers, photo_files, positive
+from app.cli.compile_ import compile_first
 from app.cli.progress import progress
 from app.cli.report_file import report_path, write_report_file
 from app.cli.survey_summary import summary_lines
@@ -37,6 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Detect each, adjust, write."""
+    compile_first()
     paths = photo_files(arguments.photos)
     from app.cli.detect_file import detect_file
     from app.cli.in_parallel import in_parallel

@@ -10,6 +10,7 @@ import tempfile
 import threading
 from pathlib import Path
 
+from app.cli.compile_ import compile_first
 from app.cli.demo_service import running_service
 from app.cli.demo_story import Surveyed, locate_room, survey_room
 from app.cli.demo_table import print_scores, print_survey, results_to_json
@@ -25,6 +26,7 @@ MM_PER_M = 1000.0
 def run_demo(arguments: argparse.Namespace) -> int:
     """Tell both stories, print the table."""
     room = open_room(arguments.room, None if arguments.u_mm is None else arguments.u_mm / MM_PER_M)
+    compile_first()
     with tempfile.TemporaryDirectory(prefix="scattermark-demo-") as folder, running_service(Path(folder)) as url:
         client = ServiceClient(url)
         with contextlib.closing(client), progress() as report:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from app.errors import ScattermarkError
 
-START_TIMEOUT_S = 60.0  # imports, tables and warm workers take seconds; a loaded machine may need far longer
+START_TIMEOUT_S = 180.0  # imports, tables and warm workers take seconds; a loaded machine may need far longer
 STOP_TIMEOUT_S = 20.0  # longer than the service's own limit for a graceful stop
 LOG_NAME = "service.log"
 LOG_LINES_SHOWN = 12

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, add_reading
+from app.cli.compile_ import compile_first
 
 if TYPE_CHECKING:
     from app.geometry.observations import Detection
@@ -26,6 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Detect, draw, print."""
+    compile_first()
     from app.cli.read_photo import read_photo
     from app.targets.family import family_by_name
     from app.vision.detectors import choose_detector

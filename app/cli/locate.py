@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, photo_files
+from app.cli.compile_ import compile_first
 from app.cli.progress import progress
 from app.errors import InvalidInput, NotLocated
 
@@ -36,6 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Locate each; 1 when one of them was refused."""
+    compile_first()
     from app.geometry.map_file import read_map
 
     content = read_map(arguments.map)

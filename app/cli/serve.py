@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.cli.compile_ import compile_first
 from app.cli.door import Door, add_door, guarded, host_of, open_door, refuse_open_door
 from app.cli.migrate import migrate, settings_of
 from app.errors import InvalidInput, ScattermarkError
@@ -43,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop."""
     from app.jobs.supervisor import supervised_worker
 
+    compile_first()
     host = host_of(arguments)
     settings = guarded(settings_of(arguments.data_dir), arguments, host)
     refuse_open_door(settings, arguments, host)

@@ -11,6 +11,7 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from app.cli.compile_ import compile_first
 from app.cli.migrate import migrate, settings_of
 from app.errors import ScattermarkError
 
@@ -34,6 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Work until told to stop."""
     from app.cli.serve import start_logs
 
+    compile_first()
     settings = settings_of(arguments.data_dir)
     start_logs(settings)
     stop = _stopped_by_signals()
