@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from app.trajectories.comparison import Difference
 from app.trajectories.evaluation import Evaluation
-from app.trajectories.metrics.zones import Zone
+from app.trajectories.metrics.zones import ELSEWHERE, Zone
 
 
 @dataclass(frozen=True)
@@ -34,3 +34,7 @@ class ReportMaterial:
     def __post_init__(self) -> None:
         if not self.evaluations:
             raise ValueError("a report tells of one evaluation at least")
+        outlined = {*(zone.name for zone in self.zones), ELSEWHERE}
+        told = {name for evaluation in self.evaluations.values() for name in evaluation.zones}
+        if not told <= outlined:
+            raise ValueError(f"the evaluations tell of zones {sorted(told - outlined)}: give their outlines")

@@ -13,18 +13,25 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-# What a colour stands for; each format has its own colours for them.
-Ink = Literal["ink", "muted", "grid", "target", "photo", "control", "check", "error"]
+# What a colour stands for; each format has its own colours for them. Series are told apart by people who see fewer
+# colours; sizes go from small to large, ever farther from the paper's lightness, so that grey print keeps their order.
+Series = Literal["series1", "series2", "series3", "series4", "series5", "series6"]
+Size = Literal["size1", "size2", "size3", "size4", "size5"]
+Ink = Literal["ink", "muted", "grid", "band", "target", "photo", "control", "check", "error"] | Series | Size
 Anchor = Literal["start", "middle", "end"]
 
 
 @dataclass(frozen=True)
 class Pen:
-    """How a shape is drawn: its colour, the width of its outline (0: none), whether it is filled."""
+    """How a shape is drawn: its colour, the width of its outline (0: none), whether it is filled, its dashes.
+
+    ``dash`` holds lengths of strokes and gaps in turn, points; empty for a line without gaps.
+    """
 
     ink: Ink
     width: float = 0.8
     filled: bool = False
+    dash: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -56,13 +63,14 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class Label:
-    """A line of text beginning, centred or ending at a point (2,) of its baseline."""
+    """A line of text beginning, centred or ending at a point (2,) of its baseline; ``upwards``: from below to above."""
 
     at: Array
     text: str
     ink: Ink = "ink"
     size: float = 8.0
     anchor: Anchor = "start"
+    upwards: bool = False
 
 
 Shape = Path | Ellipse | Label

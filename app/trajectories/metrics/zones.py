@@ -48,13 +48,18 @@ class Zone:
 
 def accuracy_by_zone(errors: Errors, positions_m: Array, zones: Sequence[Zone]) -> dict[str, Accuracy]:
     """Accuracy in each zone that has a pair, by the reference's positions, shape (K, 3); a pair may be in several."""
-    table: dict[str, Accuracy] = {}
-    somewhere = np.zeros(len(errors), dtype=np.bool_)
+    return {name: accuracy_of(errors.take(rows)) for name, rows in rows_by_zone(positions_m, zones).items()}
+
+
+def rows_by_zone(positions_m: Array, zones: Sequence[Zone]) -> dict[str, npt.NDArray[np.bool_]]:
+    """Which positions, shape (K, 3), lie in each zone that has any, and in none; without zones there is nothing."""
+    table: dict[str, npt.NDArray[np.bool_]] = {}
+    somewhere = np.zeros(len(positions_m), dtype=np.bool_)
     for zone in zones:
         inside = zone.contains(positions_m[:, :2])
         somewhere |= inside
         if inside.any():
-            table[zone.name] = accuracy_of(errors.take(inside))
+            table[zone.name] = inside
     if zones and not somewhere.all():
-        table[ELSEWHERE] = accuracy_of(errors.take(~somewhere))
+        table[ELSEWHERE] = ~somewhere
     return table

@@ -15,6 +15,9 @@ Array = npt.NDArray[np.float64]
 GRID = Pen("grid", 0.5)
 TICK_SIZE = 7.0
 TICK_GAP = 4.0
+TITLE_BELOW = 23.0  # from the frame to the baseline of the title of x, numbers between
+ROOM_SHARE = 0.06  # free space around what a plan shows, as a share of its larger side
+LEAST_SIDE_M = 1.0  # of a plan, for the room around it: places may all be one
 
 
 @dataclass(frozen=True)
@@ -55,10 +58,29 @@ class Axes:
             shapes.append(self._tick(axis, start, fixed(number, digits)))
         return shapes
 
+    def titles(self, across: str, up: str, title_left: float) -> list[Shape]:
+        """What is along x and along y; the latter's baseline so many points left of the frame."""
+        left, top = self.corner
+        below = np.array([left + self.size[0] / 2.0, top + self.size[1] + TITLE_BELOW])
+        beside = np.array([left - title_left, top + self.size[1] / 2.0])
+        return [
+            Label(below, across, "ink", TICK_SIZE, "middle"),
+            Label(beside, up, "ink", TICK_SIZE, "middle", upwards=True),
+        ]
+
     def _tick(self, axis: int, start: Array, text: str) -> Label:
         if axis == 0:
             return Label(start + np.array([0.0, TICK_SIZE + TICK_GAP]), text, "muted", TICK_SIZE, "middle")
         return Label(start + np.array([-TICK_GAP, 0.35 * TICK_SIZE]), text, "muted", TICK_SIZE, "end")
+
+
+def plan_axes(places_m: Array, corner: Array, free: Array) -> Axes:
+    """A frame around places (N, 2) with one scale along both axes, in the middle of free points (2,) below a corner."""
+    low, high = places_m.min(axis=0), places_m.max(axis=0)
+    room = ROOM_SHARE * max(float((high - low).max()), LEAST_SIDE_M)
+    low, high = low - room, high + room
+    size = float((free / (high - low)).min()) * (high - low)
+    return Axes(low, high, corner + np.array([(free[0] - size[0]) / 2.0, 0.0]), size)
 
 
 def ticks(low: float, high: float, step: float) -> list[float]:

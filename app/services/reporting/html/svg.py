@@ -25,6 +25,8 @@ def _shape(shape: Shape) -> str:
         return _ellipse(shape)
     x, y = shape.at
     place = f'class="f-{shape.ink}" x="{x:.2f}" y="{y:.2f}" font-size="{shape.size:g}" text-anchor="{shape.anchor}"'
+    if shape.upwards:
+        place += f' transform="rotate(-90 {x:.2f} {y:.2f})"'
     return f"<text {place}>{escape(readable(shape.text))}</text>"
 
 
@@ -39,4 +41,5 @@ def _pen(pen: Pen) -> str:
     if pen.width > 0:
         classes.append(f"s-{pen.ink}")
     width = f' stroke-width="{pen.width:g}"' if pen.width > 0 else ""
-    return f'class="{" ".join(classes)}"{width}'
+    dashes = f' stroke-dasharray="{" ".join(f"{length:g}" for length in pen.dash)}"' if pen.dash else ""
+    return f'class="{" ".join(classes)}"{width}{dashes}'

@@ -10,6 +10,7 @@ from app.services.reporting.pdf.fonts import REGULAR, width_of, written
 from app.services.reporting.pdf.look import INKS
 
 ROUND_JOIN = 1
+QUARTER_TURN_DEG = 90.0
 SHARE_BEFORE = {"start": 0.0, "middle": 0.5, "end": 1.0}
 
 
@@ -68,11 +69,15 @@ def _take(canvas: Canvas, pen: Pen) -> None:
     canvas.setStrokeColor(INKS[pen.ink])
     canvas.setFillColor(INKS[pen.ink])
     canvas.setLineWidth(pen.width)
+    canvas.setDash(list(pen.dash))
 
 
 def _write(canvas: Canvas, label: Label, height: float) -> None:
     canvas.setFillColor(INKS[label.ink])
     before = SHARE_BEFORE[label.anchor] * width_of(label.text, REGULAR, label.size)
-    x, y = float(label.at[0]) - before, height - float(label.at[1])
+    canvas.saveState()
+    canvas.translate(float(label.at[0]), height - float(label.at[1]))
+    canvas.rotate(QUARTER_TURN_DEG if label.upwards else 0.0)
     canvas.setFont(REGULAR, label.size)
-    canvas.drawString(x, y, written(label.text))
+    canvas.drawString(-before, 0.0, written(label.text))
+    canvas.restoreState()

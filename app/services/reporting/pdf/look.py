@@ -18,6 +18,18 @@ INKS: dict[Ink, Color] = {
     "control": HexColor("#b3261e"),
     "check": HexColor("#0a6e44"),
     "error": HexColor("#a84e00"),
+    "band": HexColor("#dde4ea"),
+    "series1": HexColor("#00529b"),
+    "series2": HexColor("#cf5a00"),
+    "series3": HexColor("#00906a"),
+    "series4": HexColor("#8c2a6e"),
+    "series5": HexColor("#8b8f96"),
+    "series6": HexColor("#101418"),
+    "size1": HexColor("#e38a17"),
+    "size2": HexColor("#d2502c"),
+    "size3": HexColor("#a12a62"),
+    "size4": HexColor("#661a6b"),
+    "size5": HexColor("#22084a"),
 }
 SHEET, GRAVE, GRAVE_SHEET, MARK = (HexColor(code) for code in ("#f4f6f8", "#8f1d16", "#fdf0ee", "#fff3d6"))
 

@@ -12,7 +12,7 @@ from app.geometry.target_map import MappedTarget
 from app.photogrammetry.report import ControlRecord
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ellipse, Ink, Label, Path, Pen, Shape, arrow, rectangle
-from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
+from app.services.reporting.figures.axes import digits_of_step, nice_step, plan_axes
 from app.services.reporting.figures.labels import legible
 from app.services.reporting.figures.scale_bar import scale_bar
 from app.services.reporting.numbers import MM_PER_M, count, fixed, nice_below
@@ -54,7 +54,6 @@ class PlanOptions:
 
 MARGIN = np.array([34.0, 12.0])  # left of the frame for numbers, above it
 FOOT = 62.0  # below the frame: numbers, scale bars, legend
-ROOM_SHARE = 0.06  # free space around what is drawn, as a share of the larger side
 FRAME = Pen("muted", 0.6)
 LABEL_SIZE = 6.0
 GRID_COUNT = 5
@@ -84,7 +83,8 @@ class _Plan:
         self.material = material
         self.options = options
         self.photos = [photo for photo in material.photos if photo.site_from_cam is not None]
-        self.axes = _axes(self._extent_m(), options)
+        free = np.array([options.width - MARGIN[0] - MARGIN[1], options.height - MARGIN[1] - FOOT])
+        self.axes = plan_axes(self._extent_m(), MARGIN, free)
         typical_m = options.ellipse_sigmas * self._typical_sigma_m()
         self.enlargement = nice_below(options.ellipse / (typical_m * self.axes.points_per_unit[0]))
 
@@ -215,14 +215,3 @@ class _Plan:
 
 def _ink(point: ControlRecord) -> Ink:
     return "control" if point.role == "control" else "check"
-
-
-def _axes(places_m: Array, options: PlanOptions) -> Axes:
-    """A frame around places (N, 2) with one scale along both axes."""
-    low, high = places_m.min(axis=0), places_m.max(axis=0)
-    room = ROOM_SHARE * max(float((high - low).max()), 1.0)
-    low, high = low - room, high + room
-    free = np.array([options.width - MARGIN[0] - MARGIN[1], options.height - MARGIN[1] - FOOT])
-    size = float((free / (high - low)).min()) * (high - low)
-    corner = np.array([MARGIN[0] + (free[0] - size[0]) / 2.0, MARGIN[1]])
-    return Axes(low, high, corner, size)

@@ -1,0 +1,115 @@
+"""Cumulative distributions: which share of a system's errors is how small."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from app.services.evaluation_report.figures.measures import HORIZONTAL, SPATIAL, VERTICAL, Measure
+from app.services.evaluation_report.look import FRAME, WIDTH, pens, short
+from app.services.evaluation_report.numbers import PERCENT
+from app.services.evaluation_report.reach import Reach, reach_of
+from app.services.reporting.document import Figure
+from app.services.reporting.drawing import Drawing, Ellipse, Label, Path, Pen, Shape, line, rectangle
+from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
+from app.services.reporting.figures.key import key, key_height
+from app.trajectories.evaluation import Evaluation
+
+Array = npt.NDArray[np.float64]
+Evaluations = Mapping[str, Evaluation]
+
+CORNER = np.array([44.0, 10.0])
+HEIGHT, SMALL_HEIGHT = 200.0, 130.0
+RIGHT = 10.0
+FOOT = 44.0  # below a panel: numbers, title, key
+BETWEEN = 50.0
+BELOW_KEY = 8.0  # of the last line of the key nothing stands below the baseline
+MOST_POINTS = 1001  # of a curve: every 0.1 %
+LINES = (0.5, 0.75, 0.95)
+LINE = Pen("muted", 0.6, dash=(2.0, 2.0))
+ACROSS_STEPS, UP_STEP = 5, 25.0
+MARK_RADIUS = 2.2
+TITLE_LEFT = 32.0
+
+
+def cumulative_spatial(evaluations: Evaluations) -> Figure:
+    """The errors in space of all systems, with the lines of 50, 75 and 95 %."""
+    size = np.array([WIDTH - CORNER[0] - RIGHT, HEIGHT])
+    panel, reach = _panel(evaluations, SPATIAL, (CORNER, size))
+    return _figure(evaluations, panel, HEIGHT, _caption((SPATIAL,), (reach,)))
+
+
+def cumulative_parts(evaluations: Evaluations) -> Figure:
+    """The same for the plan and for heights, side by side."""
+    size = np.array([(WIDTH - CORNER[0] - RIGHT - BETWEEN) / 2.0, SMALL_HEIGHT])
+    beside = CORNER + np.array([size[0] + BETWEEN, 0.0])
+    left, plan = _panel(evaluations, HORIZONTAL, (CORNER, size))
+    right, heights = _panel(evaluations, VERTICAL, (beside, size))
+    return _figure(evaluations, [*left, *right], SMALL_HEIGHT, _caption((HORIZONTAL, VERTICAL), (plan, heights)))
+
+
+def _figure(evaluations: Evaluations, panels: list[Shape], height: float, caption: str) -> Figure:
+    entries = [(pen, short(name)) for name, pen in pens(list(evaluations)).items()]
+    at = CORNER + np.array([0.0, height + FOOT])
+    width = WIDTH - CORNER[0] - RIGHT
+    lower = float(at[1]) + key_height(width, entries) - BELOW_KEY
+    drawing = Drawing(WIDTH, lower, (*panels, *key(at, width, entries)))
+    names = ", ".join(evaluations)
+    return Figure(drawing, caption, f"Curves of the share of errors below each size for {names}.")
+
+
+def _caption(measures: tuple[Measure, ...], reaches: tuple[Reach, ...]) -> str:
+    which = " and of ".join(measure.words for measure in measures)
+    return (
+        f"Cumulative distribution of {which}; circles where a curve meets 50, 75 and 95 %."
+        f"{''.join(reach.said for reach in reaches)}"
+    )
+
+
+def _panel(evaluations: Evaluations, measure: Measure, frame: tuple[Array, Array]) -> tuple[list[Shape], Reach]:
+    series_m = {name: measure.of(evaluation) for name, evaluation in evaluations.items()}
+    reach = reach_of(list(series_m.values()))
+    axes = Axes(np.zeros(2), np.array([reach.end_m, PERCENT]), *frame)
+    step = nice_step(0.0, reach.end_m, ACROSS_STEPS)
+    shapes: list[Shape] = [
+        *axes.grid(0, step, digits_of_step(step)),
+        *axes.grid(1, UP_STEP, 0),
+        *(shape for share in LINES for shape in _line(axes, share)),
+        rectangle(axes.corner, axes.corner + axes.size, FRAME),
+        *axes.titles(measure.title, "share of pairs, %", TITLE_LEFT),
+    ]
+    for name, pen in pens(list(evaluations)).items():
+        shapes += _curve(axes, series_m[name], pen)
+    return shapes, reach
+
+
+def _line(axes: Axes, share: float) -> list[Shape]:
+    """A level across the panel, named at its right end."""
+    ends = axes.place(np.array([[0.0, PERCENT * share], [axes.high[0], PERCENT * share]]))
+    name = Label(ends[1] + np.array([-2.0, -2.0]), f"{PERCENT * share:.0f} %", "muted", 6.5, "end")
+    return [line(ends[0], ends[1], LINE), name]
+
+
+def _curve(axes: Axes, sizes_m: Array, pen: Pen) -> list[Shape]:
+    """Quantiles of type 7, those of the tables, up to the end of the axis."""
+    end_m = float(axes.high[0])
+    shares = np.linspace(0.0, 1.0, min(len(sizes_m), MOST_POINTS)) if len(sizes_m) > 1 else np.array([0.0, 1.0])
+    quantiles_m = np.quantile(sizes_m, shares)
+    last = float(np.interp(end_m, quantiles_m, shares))
+    inside = quantiles_m < end_m
+    until_m = min(end_m, float(quantiles_m[-1]))
+    course = np.column_stack([quantiles_m[inside], shares[inside]])
+    points = np.vstack([[0.0, 0.0], course, [until_m, last], [end_m, last]])  # before the least nothing, after it all
+    at_lines = np.column_stack([np.quantile(sizes_m, LINES), LINES])
+    marks = [
+        Ellipse(axes.place(_percent(mark)), np.full(2, MARK_RADIUS), 0.0, Pen(pen.ink, pen.width))
+        for mark in at_lines
+        if mark[0] <= end_m
+    ]
+    return [Path(axes.place(_percent(points)), pen), *marks]
+
+
+def _percent(points: Array) -> Array:
+    return points * np.array([1.0, PERCENT])

@@ -1,0 +1,83 @@
+"""How often errors are how large."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from app.services.evaluation_report.figures.measures import SPATIAL
+from app.services.evaluation_report.look import FRAME, WIDTH
+from app.services.evaluation_report.numbers import error_m
+from app.services.evaluation_report.reach import reach_of
+from app.services.reporting.document import Figure
+from app.services.reporting.drawing import Drawing, Ink, Label, Pen, Shape, line, rectangle
+from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
+from app.services.reporting.numbers import count
+from app.trajectories.evaluation import Evaluation
+
+Array = npt.NDArray[np.float64]
+
+CORNER = np.array([44.0, 18.0])
+SIZE = np.array([WIDTH - 54.0, 120.0])
+FOOT = 30.0
+BAR_SHARE = 0.92
+FEWEST_BINS, MOST_BINS = 8, 60
+ACROSS_STEPS, UP_STEPS = 5, 3
+LEVEL = Pen("ink", 0.9, dash=(3.0, 2.0))
+TITLE_LEFT = 32.0
+HEADROOM = 1.08
+
+
+def histogram(evaluation: Evaluation, ink: Ink) -> Figure:
+    """The errors in space of one system, with the levels of its table."""
+    sizes_m = SPATIAL.of(evaluation)
+    reach = reach_of([sizes_m])
+    counts, edges_m = np.histogram(np.minimum(sizes_m, reach.end_m), _edges_m(sizes_m, reach.end_m))
+    axes = Axes(np.zeros(2), np.array([edges_m[-1], HEADROOM * counts.max()]), CORNER, SIZE)
+    shapes = (*_grid(axes), *_bars(axes, counts, edges_m, ink), *_levels(axes, evaluation))
+    drawing = Drawing(WIDTH, float(CORNER[1] + SIZE[1] + FOOT), shapes)
+    beyond = f" The last bar holds the {count(reach.beyond)} beyond as well." if reach.beyond else ""
+    bins = f"Histogram of {count(len(sizes_m))} errors in space, in bins of {error_m(float(edges_m[1]))} m."
+    return Figure(
+        drawing, f"{bins}{reach.said}{beyond}", f"{len(counts)} bars, the highest of {count(int(counts.max()))} pairs."
+    )
+
+
+def _edges_m(sizes_m: Array, end_m: float) -> Array:
+    """Bins of the width of Freedman and Diaconis (Z. Wahrscheinlichkeitstheorie 57, 1981), in sensible number."""
+    low_m, high_m = np.quantile(sizes_m, [0.25, 0.75])
+    width_m = 2.0 * float(high_m - low_m) / len(sizes_m) ** (1.0 / 3.0)
+    bins = int(np.ceil(end_m / width_m)) if width_m > 0 else MOST_BINS
+    return np.linspace(0.0, end_m, min(max(bins, FEWEST_BINS), MOST_BINS) + 1)
+
+
+def _grid(axes: Axes) -> list[Shape]:
+    across = nice_step(0.0, float(axes.high[0]), ACROSS_STEPS)
+    up = max(1.0, nice_step(0.0, float(axes.high[1]), UP_STEPS))
+    return [
+        *axes.grid(0, across, digits_of_step(across)),
+        *axes.grid(1, up, 0),
+        *axes.titles(SPATIAL.title, "pairs", TITLE_LEFT),
+    ]
+
+
+def _bars(axes: Axes, counts: npt.NDArray[np.intp], edges_m: Array, ink: Ink) -> list[Shape]:
+    shapes: list[Shape] = []
+    half_m = 0.5 * BAR_SHARE * float(edges_m[1])
+    for middle_m, height in zip((edges_m[1:] + edges_m[:-1]) / 2.0, counts, strict=True):
+        low = axes.place(np.array([middle_m - half_m, 0.0]))
+        high = axes.place(np.array([middle_m + half_m, float(height)]))
+        shapes.append(rectangle(low, high, Pen(ink, 0.0, filled=True)))
+    shapes.append(rectangle(axes.corner, axes.corner + axes.size, FRAME))
+    return shapes
+
+
+def _levels(axes: Axes, evaluation: Evaluation) -> list[Shape]:
+    """SE50 and SE95, each named above the frame."""
+    spatial = evaluation.accuracy.spatial
+    shapes: list[Shape] = []
+    for name, level_m in (("SE50", spatial.median), ("SE95", spatial.quantile_95)):
+        foot, top = axes.place(np.array([[level_m, 0.0], [level_m, axes.high[1]]]))
+        shapes.append(line(foot, top, LEVEL))
+        shapes.append(Label(top + np.array([0.0, -4.0]), f"{name} {error_m(level_m)} m", "ink", 6.5, "middle"))
+    return shapes

@@ -1,0 +1,56 @@
+"""Long series thinned for drawing: what is drawn is a part of them that holds their extremes."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from app.services.reporting.numbers import count
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+
+def extreme_rows(series: Array, most: int) -> Rows:
+    """Rows that hold the least and the greatest of each column in each of many stretches.
+
+    Parameters
+    ----------
+    series : ndarray of shape (K, S)
+        In the order of time.
+    most : int
+        Rows at most, about; fewer rows than these are all kept.
+
+    Returns
+    -------
+    ndarray of int
+        Increasing; the first and the last row are among them.
+    """
+    length, columns = series.shape
+    if length <= most:
+        return np.arange(length)
+    stretches = np.array_split(np.arange(length), max(1, most // (2 * columns)))
+    kept = {0, length - 1}
+    for rows in stretches:
+        part = series[rows]
+        kept.update(rows[part.argmin(axis=0)].tolist(), rows[part.argmax(axis=0)].tolist())
+    return np.array(sorted(kept), dtype=np.intp)
+
+
+def distinct_rows(places: Array, spacing: float) -> Rows:
+    """Rows of places, shape (K, 2), one for each square of a grid that holds any."""
+    _, rows = np.unique(np.floor(places / spacing).astype(np.int64), axis=0, return_index=True)
+    return np.sort(rows)
+
+
+def unbroken(times_s: Array, rows: Rows, gap_s: float) -> list[Rows]:
+    """Rows, increasing, in runs without a gap: whatever a gap parts in the whole series is parted."""
+    run = np.concatenate([[0], np.cumsum(np.diff(times_s) > gap_s)])[rows]
+    return np.split(rows, np.flatnonzero(np.diff(run)) + 1)
+
+
+def said(shown: int, total: int) -> str:
+    """The sentence for a caption; nothing when all is drawn."""
+    if shown == total:
+        return ""
+    return f" Of {count(total)} pairs {count(shown)} are drawn, the least and the greatest of every stretch among them."
