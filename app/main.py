@@ -31,6 +31,7 @@ from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget, StorageLimits
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
+from app.services.trajectory_import import TrajectoryImporter
 from app.services.workers import start_locating
 from app.settings import Settings, settings_from_environment
 from app.storage.database import Database
@@ -78,6 +79,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 transfers=SiteTransfers(database, photos, budget, transfer_limits(settings)),
                 locator=locator,
                 bell=bell,
+                importer=TrajectoryImporter(locating, settings.evaluate_timeout_s, settings.data_dir),
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 readiness=Readiness(
                     Dependencies(database, photos, locating, settings.min_free_bytes, partial(_live_workers, database))

@@ -42,12 +42,16 @@ class Settings:
         Snapshots that may wait while all workers are busy; the next one is told to come back.
     locate_timeout_s, detect_timeout_s, adjust_timeout_s, report_timeout_s : float
         Time limits of one snapshot, one survey photograph, one adjustment and one report.
+    evaluate_timeout_s : float
+        Time limit of one import of a trajectory, one evaluation and one smoothing.
     max_photo_bytes, max_photo_pixels : int
         Largest photograph.
     max_upload_bytes : int
         Largest request that carries many photographs.
     max_import_bytes : int
         Largest archive of a site.
+    max_trajectory_bytes : int
+        Largest file of a trajectory.
     max_text_bytes : int
         Largest request of any other kind (JSON, CSV).
     upload_grace_s : float
@@ -91,10 +95,12 @@ class Settings:
     detect_timeout_s: float = 60.0
     adjust_timeout_s: float = 3600.0
     report_timeout_s: float = 120.0
+    evaluate_timeout_s: float = 300.0
     max_photo_bytes: int = 64 * MEBIBYTE
     max_photo_pixels: int = 64_000_000
     max_upload_bytes: int = 1024 * MEBIBYTE
     max_import_bytes: int = 4096 * MEBIBYTE
+    max_trajectory_bytes: int = 512 * MEBIBYTE
     max_text_bytes: int = 8 * MEBIBYTE
     upload_grace_s: float = 20.0
     max_slow_uploads: int = 128

@@ -34,6 +34,7 @@ from app.api.routes import (
     storage,
     surveys,
     trajectories,
+    trajectory_import,
     transfer,
 )
 from app.api.security_headers import SecurityHeaders
@@ -89,6 +90,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     # First, as it is called most: each router before it is asked whether the call is its own.
     app.include_router(locate.router, max_body_size=snapshot_bytes)
     app.include_router(transfer.import_router, max_body_size=settings.max_import_bytes)
+    app.include_router(trajectory_import.router, max_body_size=settings.max_trajectory_bytes)
     texts = (sites, transfer, surveys, jobs, maps, trajectories, snapshots, operations, storage, keys, session, audit)
     for routes in texts:
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)

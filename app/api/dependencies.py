@@ -22,6 +22,7 @@ from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
+from app.services.trajectory_import import TrajectoryImporter
 from app.storage.database import Database, Session
 from app.storage.paging import PageRequest
 
@@ -43,6 +44,7 @@ class Services:
     locator: Locator
     reports: ReportWriter
     bell: TrajectoryBell
+    importer: TrajectoryImporter
     readiness: Readiness
     gatekeeper: Gatekeeper
     sessions: BrowserSessions

@@ -9,10 +9,11 @@ from sqlalchemy.orm import Session
 
 from app.errors import InvalidInput
 from app.services.capture_time import seconds_of
+from app.storage.imported_trajectories import ImportedTrajectories
 from app.storage.paging import BAD_CURSOR, PageRequest, cursor_of
 from app.storage.sites import SiteRepository
 from app.storage.trajectories import TrajectoryRepository
-from app.storage.trajectory_parts import Place, StoredTrajectory, TimeRange, TrajectoryPart
+from app.storage.trajectory_parts import ImportedPart, Place, StoredTrajectory, TimeRange, TrajectoryPart
 from app.storage.trajectory_queries import TrajectoryQueries
 
 GREATEST_ORDINAL = 2**31 - 1  # of a database column
@@ -20,10 +21,10 @@ GREATEST_ORDINAL = 2**31 - 1  # of a database column
 
 @dataclass(frozen=True)
 class TrajectoryPage:
-    """A trajectory as it stands, some of its snapshots, and the cursor of the next page or None at the end."""
+    """A trajectory as it stands, some of its poses, and the cursor of the next page or None at the end."""
 
     trajectory: StoredTrajectory
-    part: TrajectoryPart
+    part: TrajectoryPart | ImportedPart
     next_cursor: str | None
 
 
@@ -52,7 +53,7 @@ def time_range(from_text: str | None, to_text: str | None) -> TimeRange:
 
 
 def trajectory_page(session: Session, trajectory_id: str, times: TimeRange, request: PageRequest) -> TrajectoryPage:
-    """Snapshots of a time range in the order of time, poses and failures alike.
+    """Snapshots of a time range in the order of time, poses and failures alike; or the poses that came as a file.
 
     Raises
     ------
@@ -62,7 +63,8 @@ def trajectory_page(session: Session, trajectory_id: str, times: TimeRange, requ
     """
     trajectory = TrajectoryRepository(session).get(trajectory_id)
     after = None if request.after is None else _place_of_key(request.after)
-    part = TrajectoryQueries(session).part(trajectory_id, times, after, request.limit)
+    kind = TrajectoryQueries if trajectory.source is None else ImportedTrajectories
+    part = kind(session).part(trajectory_id, times, after, request.limit)
     next_cursor = None if part.end is None else cursor_of(_key_of_place(part.end))
     return TrajectoryPage(trajectory, part, next_cursor)
 

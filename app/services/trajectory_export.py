@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import Literal
+from typing import Literal, get_args
 
 from app.errors import Conflict
-from app.services.geodesy import geodetic
+from app.services.geodesy import enu_from_site, geodetic
 from app.storage.database import Database
-from app.storage.records import Site
+from app.storage.pose_reading import pose_parts
+from app.storage.records import GeoAnchor, Site
 from app.storage.sites import SiteRepository
 from app.storage.trajectories import TrajectoryRepository
-from app.storage.trajectory_parts import Place, TimeRange
-from app.storage.trajectory_queries import TrajectoryQueries
-from app.trajectories.formats import csv_text, geojson_text, tum_text
+from app.storage.trajectory_parts import StoredTrajectory, TimeRange
+from app.trajectories.formats import csv_text, geojson_text
+from app.trajectories.geopose import geopose_text
+from app.trajectories.robotics_formats import euroc_text, kitti_text, kitti_times_text, tum_text
 from app.trajectories.trajectory import Trajectory
 
-TextFormat = Literal["csv", "tum", "geojson"]
+TextFormat = Literal["csv", "tum", "kitti", "kitti-times", "euroc", "geojson", "geopose"]
+Write = Callable[[Iterable[Trajectory]], Iterator[str]]
 
-POSES_AT_A_TIME = 2000  # a read of some tens of milliseconds, some hundred kilobytes of text
+PLAIN: dict[TextFormat, Write] = {
+    "csv": csv_text,
+    "tum": tum_text,
+    "kitti": kitti_text,
+    "kitti-times": kitti_times_text,
+    "euroc": euroc_text,
+}
+NEEDS_ORIENTATIONS: tuple[TextFormat, ...] = ("tum", "kitti", "euroc", "geopose")
 
 
 def trajectory_text(database: Database, trajectory_id: str, wanted: TextFormat, times: TimeRange) -> Iterator[str]:
@@ -33,37 +43,45 @@ def trajectory_text(database: Database, trajectory_id: str, wanted: TextFormat, 
     NotFound
         Before the first piece.
     Conflict
-        For geojson when the site is not tied to the Earth; before the first piece.
+        For geojson and geopose when the site is not tied to the Earth, and for a format with orientations when the
+        trajectory has positions only; before the first piece.
     """
     with database.reading() as session:
         trajectory = TrajectoryRepository(session).get(trajectory_id)
         site = SiteRepository(session).get(trajectory.site_id)
-    parts = _parts(database, trajectory_id, times)
-    if wanted == "csv":
-        return csv_text(parts)
-    if wanted == "tum":
-        return tum_text(parts)
-    return _geojson(parts, trajectory_id, site)
+    write = writer_of(wanted, trajectory, site)
+    return write(pose_parts(database, trajectory, times))
 
 
-def _geojson(parts: Iterator[Trajectory], trajectory_id: str, site: Site) -> Iterator[str]:
-    anchor = site.geo_anchor
-    if anchor is None:
+def writer_of(wanted: TextFormat, trajectory: StoredTrajectory, site: Site) -> Write:
+    """What writes the trajectory in a format.
+
+    Raises
+    ------
+    Conflict
+        When it cannot be written so.
+    """
+    if wanted in NEEDS_ORIENTATIONS and not trajectory.oriented:
+        others = [name for name in get_args(TextFormat) if name not in NEEDS_ORIENTATIONS]
+        raise Conflict(
+            f"trajectory {trajectory.trajectory_id} was imported with positions only, and {wanted} needs orientations; "
+            f"ask for json, {', '.join(others)}",
+            trajectory_id=trajectory.trajectory_id,
+        )
+    if wanted in PLAIN:
+        return PLAIN[wanted]
+    anchor = _anchor_of(site)
+    if wanted == "geopose":
+        return partial(geopose_text, geodetic=partial(geodetic, anchor=anchor), enu_from_site=enu_from_site(anchor))
+    members = {"site_id": site.site_id, "trajectory_id": trajectory.trajectory_id}
+    return partial(geojson_text, geodetic=partial(geodetic, anchor=anchor), members=members)
+
+
+def _anchor_of(site: Site) -> GeoAnchor:
+    if site.geo_anchor is None:
         raise Conflict(
             "the site has no geo-anchor, so its poses have no latitude; PATCH the site with geo_anchor "
             "{latitude_deg, longitude_deg, height_m, azimuth_deg} first, or ask for json, csv or tum",
             site_id=site.site_id,
         )
-    members = {"site_id": site.site_id, "trajectory_id": trajectory_id}
-    return geojson_text(parts, partial(geodetic, anchor=anchor), members)
-
-
-def _parts(database: Database, trajectory_id: str, times: TimeRange) -> Iterator[Trajectory]:
-    after: Place | None = None
-    while True:
-        with database.reading() as session:
-            poses, after = TrajectoryQueries(session).poses(trajectory_id, times, after, POSES_AT_A_TIME)
-        if len(poses):
-            yield poses
-        if after is None:
-            return
+    return site.geo_anchor

@@ -100,6 +100,21 @@ def expect_change(actor: Actor, action: str, subject: dict[str, str]) -> None:
     _pending.set(PendingEntry(actor, action, subject))
 
 
+def waiting_entry() -> PendingEntry | None:
+    """The row that waits in the present task, for a process that makes the change in its place."""
+    return _pending.get()
+
+
+@contextmanager
+def on_behalf_of(waiting: PendingEntry | None) -> Iterator[None]:
+    """Until the block ends, the first transaction is that of another process's task, whose waiting row it gets."""
+    token = _pending.set(waiting)
+    try:
+        yield
+    finally:
+        _pending.reset(token)
+
+
 def identify(key_id: str, name: str) -> None:
     """Say which key's doing the present task's change is, when it came out only now."""
     pending = _pending.get()

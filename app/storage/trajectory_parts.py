@@ -222,7 +222,7 @@ class ImportedPart:
     def of_pieces(cls, pieces: Sequence[ImportedPart]) -> ImportedPart:
         """Consecutive pieces as one."""
         if not pieces:
-            return cls(Trajectory(np.zeros(0), np.zeros((0, 3))), np.zeros(0, dtype=np.int64), None)
+            return cls(Trajectory.empty(), np.zeros(0, dtype=np.int64), None)
         ordinals = np.concatenate([piece.ordinals for piece in pieces])
         return cls(joined([piece.poses for piece in pieces]), ordinals, None)
 

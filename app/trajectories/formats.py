@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator
+from itertools import repeat
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from app.errors import InvalidInput
 from app.trajectories.trajectory import Array, Trajectory
 
-TUM_LINE = "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n"
 SIGMA_COLUMNS = ("sigma_x_m", "sigma_y_m", "sigma_z_m", "sigma_rx_rad", "sigma_ry_rad", "sigma_rz_rad")
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")  # m and rad
 # The upper triangle of the covariance, row by row.
@@ -26,34 +25,27 @@ COVARIANCE_COLUMNS = tuple(
 POSITION_COLUMNS, QUATERNION_COLUMNS = ("x_m", "y_m", "z_m"), ("qx", "qy", "qz", "qw")
 UNCERTAINTY_COLUMNS = (*SIGMA_COLUMNS, *COVARIANCE_COLUMNS)
 CSV_COLUMNS = ("time_utc", "time_s", *POSITION_COLUMNS, *QUATERNION_COLUMNS, *UNCERTAINTY_COLUMNS)
-CSV_POSE = "%.6f,%.6f,%.6f,%.6f,%.9f,%.9f,%.9f,%.9f,"
-CSV_SIGMAS = ",".join(["%.7g"] * len(UNCERTAINTY_COLUMNS)) + "\n"
-CSV_NO_SIGMAS = "," * (len(UNCERTAINTY_COLUMNS) - 1) + "\n"
+FLOOR_COLUMN = "floor"
+CSV_POSITION, CSV_TURN, CSV_NO_TURN = "%.6f,%.6f,%.6f,%.6f", ",%.9f,%.9f,%.9f,%.9f", ",,,,"
 DEGREE_DIGITS = 9  # 0.1 mm on the ground
 HEIGHT_DIGITS, METRES_DIGITS = 4, 6  # 0.1 mm, a micrometre
 
 
-def tum_text(parts: Iterable[Trajectory]) -> Iterator[str]:
-    """Lines ``time x y z qx qy qz qw``: seconds, metres, site_from_cam.
-
-    Notes
-    -----
-    The format of the TUM RGB-D benchmark (Sturm et al., IROS 2012), which the evaluation tools of robotics read.
-    """
-    for part in parts:
-        yield "".join(TUM_LINE % tuple(row) for row in _pose_rows(part))
-
-
 def csv_text(parts: Iterable[Trajectory]) -> Iterator[str]:
-    """One line per pose under a heading; a trajectory without covariances leaves their columns empty.
+    """One line per pose under a heading; what a trajectory does not tell stays empty, storeys have a column if told.
 
     ``time_s`` counts from 1970 in UTC; ``time_utc`` says the same for people. Sigmas are the roots of the covariance's
     diagonal; ``cov_x_ry`` is in m rad.
     """
-    yield ",".join(CSV_COLUMNS) + "\n"
+    heading = ",".join(CSV_COLUMNS)
     for part in parts:
-        lines = zip(iso_times(part.times_s), _pose_rows(part), _sigma_texts(part), strict=True)
-        yield "".join(f"{time_utc},{CSV_POSE % tuple(row)}{sigmas}" for time_utc, row, sigmas in lines)
+        if heading:
+            yield heading + ("\n" if part.floors is None else f",{FLOOR_COLUMN}\n")
+            heading = ""
+        columns = zip(_position_texts(part), _turn_texts(part), _sigma_texts(part), _floor_texts(part), strict=True)
+        yield "".join("".join(pieces) for pieces in columns)
+    if heading:
+        yield heading + "\n"
 
 
 def geojson_text(
@@ -85,23 +77,36 @@ def iso_times(times_s: Array) -> npt.NDArray[np.str_]:
     return np.datetime_as_string(microseconds.astype("datetime64[us]"), unit="us", timezone="UTC")
 
 
-def _pose_rows(part: Trajectory) -> list[list[float]]:
-    rows: list[list[float]] = np.column_stack([part.times_s, part.positions_m, _orientations(part)]).tolist()
-    return rows
+def _position_texts(part: Trajectory) -> Iterator[str]:
+    rows = np.column_stack([part.times_s, part.positions_m]).tolist()
+    return (
+        f"{time_utc},{CSV_POSITION % tuple(row)}" for time_utc, row in zip(iso_times(part.times_s), rows, strict=True)
+    )
 
 
-def _orientations(part: Trajectory) -> Array:
+def _turn_texts(part: Trajectory) -> Iterator[str]:
     if part.orientations_xyzw is None:
-        raise InvalidInput("the trajectory has positions only, and this format needs orientations; ask for csv")
-    return part.orientations_xyzw
+        return repeat(CSV_NO_TURN, len(part))
+    return (CSV_TURN % tuple(row) for row in part.orientations_xyzw.tolist())
 
 
 def _sigma_texts(part: Trajectory) -> Iterator[str]:
+    """Sigmas and covariances; those of a rotation that is not known stay empty."""
     sigmas, covariances = part.sigmas, part.covariances
     if sigmas is None or covariances is None:
-        return iter([CSV_NO_SIGMAS] * len(part))
-    upper = covariances[:, *np.triu_indices(len(COMPONENTS))]
-    return (CSV_SIGMAS % tuple(row) for row in np.hstack([sigmas, upper]).tolist())
+        return repeat("," * len(UNCERTAINTY_COLUMNS), len(part))
+    freedoms = sigmas.shape[1]
+    rows, columns = np.triu_indices(len(COMPONENTS))
+    known = np.append(np.arange(len(COMPONENTS)) < freedoms, (rows < freedoms) & (columns < freedoms))
+    line = "".join(",%.7g" if told else "," for told in known)
+    upper = covariances[:, *np.triu_indices(freedoms)]
+    return (line % tuple(row) for row in np.hstack([sigmas, upper]).tolist())
+
+
+def _floor_texts(part: Trajectory) -> Iterator[str]:
+    if part.floors is None:
+        return repeat("\n", len(part))
+    return (f",{floor}\n" for floor in part.floors.tolist())
 
 
 def _features(part: Trajectory, geodetic: Array) -> Iterator[dict[str, Any]]:
@@ -110,8 +115,11 @@ def _features(part: Trajectory, geodetic: Array) -> Iterator[dict[str, Any]]:
     properties: dict[str, list[Any]] = {
         "time": iso_times(part.times_s).tolist(),
         "position_m": np.round(part.positions_m, METRES_DIGITS).tolist(),
-        "orientation_xyzw": _orientations(part).tolist(),
     }
+    if part.orientations_xyzw is not None:
+        properties["orientation_xyzw"] = part.orientations_xyzw.tolist()
+    if part.floors is not None:
+        properties["floor"] = part.floors.tolist()
     if part.sigmas is not None:
         properties["position_sigma_m"] = part.sigmas[:, :3].tolist()
     for row, place in enumerate(coordinates):

@@ -75,6 +75,11 @@ class Trajectory:
         """Rotation matrices of site_from_cam, shape (N, 3, 3); None without orientations."""
         return None if self.orientations_xyzw is None else Rotation.from_quat(self.orientations_xyzw).as_matrix()
 
+    @classmethod
+    def empty(cls) -> Trajectory:
+        """No poses."""
+        return cls(np.zeros(0), np.zeros((0, 3)))
+
     def shifted(self, offset_s: float) -> Trajectory:
         """The same poses by a clock that reads ``offset_s`` more."""
         return replace(self, times_s=self.times_s + offset_s)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from app.errors import Conflict, NotFound
-from app.services import trajectory_export
 from app.services.geodesy import geodetic
 from app.services.trajectory_export import trajectory_text
+from app.storage import pose_reading
 from app.storage.database import Database
 from app.storage.records import GeoAnchor
 from app.storage.sites import SiteRepository
@@ -27,7 +27,7 @@ SECOND_HALF = TimeRange(START_S + 5.0, START_S + 10.0)
 
 @pytest.fixture(autouse=True)
 def several_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trajectory_export, "POSES_AT_A_TIME", 5)  # 15 poses are three whole parts
+    monkeypatch.setattr(pose_reading, "POSES_AT_A_TIME", 5)  # 15 poses are three whole parts
 
 
 def test_all_poses_are_written_in_each_format(database: Database) -> None:

@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.geometry.rotation import exp_rotation, quaternion_xyzw
-from app.trajectories.formats import CSV_COLUMNS, csv_text, geojson_text, iso_times, tum_text
+from app.trajectories.formats import CSV_COLUMNS, csv_text, geojson_text, iso_times
+from app.trajectories.robotics_formats import tum_text
 from app.trajectories.trajectory import Trajectory
 
 START_S = 1.78e9

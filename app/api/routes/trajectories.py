@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, HTTPException, Query
+from fastapi import APIRouter, Query
 from fastapi.responses import StreamingResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
@@ -24,15 +24,27 @@ from app.api.security import Analysing, Recording, needs
 from app.api.trajectory_queries import Part, Stream, Wanted
 from app.services.trajectories import open_trajectory, trajectory_page
 from app.services.trajectory_events import Arrivals, watch_trajectory
-from app.services.trajectory_export import trajectory_text
+from app.services.trajectory_export import TextFormat, trajectory_text
 from app.storage.trajectories import TrajectoryRepository
 from app.storage.trajectory_queries import TrajectoryQueries
 
 router = APIRouter(tags=["trajectories"])
 
-MEDIA_TYPES = {"csv": "text/csv", "tum": "text/plain", "geojson": "application/geo+json"}
-TEXT_FORMATS = {media_type: {"schema": {"type": "string"}} for media_type in MEDIA_TYPES.values()}
-Format = Literal["json", "csv", "tum", "geojson", "kitti", "euroc"]
+MEDIA_TYPES: dict[TextFormat, str] = {
+    "csv": "text/csv",
+    "tum": "text/plain",
+    "kitti": "text/plain",
+    "kitti-times": "text/plain",
+    "euroc": "text/csv",
+    "geojson": "application/geo+json",
+    "geopose": "application/json",
+}
+TEXT_FORMATS = {
+    media_type: {"schema": {"type": "string"}}
+    for media_type in MEDIA_TYPES.values()
+    if media_type != "application/json"  # which has a schema of its own
+}
+Format = Literal["json", "csv", "tum", "kitti", "kitti-times", "euroc", "geojson", "geopose"]
 
 
 @router.post("/trajectories", status_code=201, responses=problems(400, 404, 413, 422))
@@ -53,7 +65,8 @@ def close_trajectory(trajectory_id: PathId, session: WriteSession) -> Trajectory
 def list_trajectories(wanted: Wanted, page: Paging, session: ReadSession, principal: Analysing) -> TrajectoriesAnswer:
     """Trajectories in the order they were made.
 
-    With from, to, bbox or max_sigma_m those that hold a snapshot that fits them all; a failure fits a time only.
+    With from, to, bbox or max_sigma_m those that hold a snapshot that fits them all; a failure fits a time only. An
+    imported trajectory is looked at by some thousand poses at a time, whose bounds must fit.
     """
     return TrajectoriesAnswer.of(TrajectoryQueries(session).page(wanted, page, principal.site_ids))
 
@@ -62,7 +75,7 @@ def list_trajectories(wanted: Wanted, page: Paging, session: ReadSession, princi
     "/trajectories/{trajectory_id}",
     dependencies=[needs("analyse")],
     response_model=TrajectoryPageAnswer,
-    responses={200: {"content": TEXT_FORMATS}, **problems(404, 406, 409, 422)},
+    responses={200: {"content": TEXT_FORMATS}, **problems(404, 409, 422)},
 )
 def get_trajectory(
     wanted: Part,
@@ -73,8 +86,6 @@ def get_trajectory(
     """A trajectory: poses and failures page by page as json, or the whole range of poses as a file."""
     if format == "json":
         return TrajectoryPageAnswer.of_page(trajectory_page(session, wanted.trajectory_id, wanted.times, wanted.page))
-    if format == "kitti" or format == "euroc":
-        raise HTTPException(406, f"this release writes trajectories as json, csv, tum and geojson, not as {format}")
     text = trajectory_text(services.database, wanted.trajectory_id, format, wanted.times)
     return StreamingResponse(text, media_type=MEDIA_TYPES[format])
 

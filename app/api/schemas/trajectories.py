@@ -10,9 +10,10 @@ from pydantic import BaseModel, Field
 from app.api.dependencies import Id
 from app.api.schemas.common import Body, Listing, Quaternion, Vector3, time_of
 from app.api.schemas.texts import Text
+from app.api.schemas.trajectory_import import ImportedPoseAnswer, SourceAnswer, imported_answers
 from app.services.trajectories import TrajectoryPage
 from app.storage.paging import Page
-from app.storage.trajectory_parts import Failure, Label, StoredTrajectory, TrajectoryPart
+from app.storage.trajectory_parts import Failure, ImportedPart, Label, StoredTrajectory, TrajectoryPart
 
 
 class NewTrajectoryBody(Body):
@@ -38,6 +39,7 @@ class TrajectoryAnswer(BaseModel):
     pose_count: int
     failure_count: int
     failures_by_reason: dict[str, int]
+    source: SourceAnswer | None = Field(description="Of one that was imported; null when its poses were located.")
 
     @classmethod
     def of(cls, trajectory: StoredTrajectory) -> TrajectoryAnswer:
@@ -59,6 +61,7 @@ def fields_of(trajectory: StoredTrajectory) -> dict[str, Any]:
         "pose_count": trajectory.pose_count,
         "failure_count": trajectory.failure_count,
         "failures_by_reason": dict(trajectory.failures),
+        "source": None if trajectory.source is None else SourceAnswer.of(trajectory.source),
     }
 
 
@@ -114,18 +117,17 @@ class FailureAnswer(SnapshotOfTrajectory):
 class TrajectoryPageAnswer(TrajectoryAnswer, Listing):
     """A trajectory and a page of its snapshots: poses and failures, each in the order of time."""
 
-    poses: list[PoseAnswer]
+    poses: list[PoseAnswer] | list[ImportedPoseAnswer]
     failures: list[FailureAnswer]
 
     @classmethod
     def of_page(cls, page: TrajectoryPage) -> TrajectoryPageAnswer:
         """The answer for a page."""
-        return cls(
-            **fields_of(page.trajectory),
-            poses=list(pose_answers(page.part)),
-            failures=[FailureAnswer.of(failure) for failure in page.part.failures],
-            next_cursor=page.next_cursor,
-        )
+        part, common = page.part, {**fields_of(page.trajectory), "next_cursor": page.next_cursor}
+        if isinstance(part, ImportedPart):
+            return cls(poses=imported_answers(part), failures=[], **common)
+        failures = [FailureAnswer.of(failure) for failure in part.failures]
+        return cls(poses=list(pose_answers(part)), failures=failures, **common)
 
 
 def pose_answers(part: TrajectoryPart) -> Iterator[PoseAnswer]:

@@ -15,11 +15,11 @@ import pytest
 
 from app.trajectories.alignment import AlignmentKind, AlignmentOptions, align
 from app.trajectories.association import AssociationOptions, Pairs, associate
-from app.trajectories.formats import tum_text
 from app.trajectories.metrics.absolute_pose_error import Part, absolute_pose_errors
 from app.trajectories.metrics.relative_pose_error import Stretch, Unit, relative_pose_errors
 from app.trajectories.metrics.summary import summarise
 from app.trajectories.reading.tum import read_tum
+from app.trajectories.robotics_formats import tum_text
 from app.trajectories.trajectory import Array, Trajectory
 from tests.trajectories.walks import noisy, walk
 

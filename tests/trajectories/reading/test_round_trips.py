@@ -8,12 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.formats import csv_text, tum_text
+from app.trajectories.formats import csv_text
 from app.trajectories.reading.csv_file import read_csv
 from app.trajectories.reading.euroc import read_euroc
 from app.trajectories.reading.evaal import posi_table, read_position_log
 from app.trajectories.reading.kitti import read_kitti
 from app.trajectories.reading.tum import read_tum
+from app.trajectories.robotics_formats import tum_text
 from app.trajectories.trajectory import Trajectory
 from tests.trajectories.walks import START_S, walk
 
