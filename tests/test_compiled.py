@@ -46,7 +46,7 @@ def test_where_nothing_can_be_written_kernels_are_compiled_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("no folder can be made below this")
-    for name in ("APP_FOLDER", "USER_CACHE_FOLDER"):
+    for name in ("SOURCE_CACHE_FOLDER", "USER_CACHE_FOLDER"):
         monkeypatch.setattr(subject, name, tmp_path / "file")
     monkeypatch.setattr(subject.config, "CACHE_DIR", "")
     monkeypatch.setattr(subject, "_kept_in", subject._kept_in.__wrapped__)
