@@ -18,9 +18,9 @@ def compose(material: ReportMaterial) -> Document:
         *([comparison(material)] if material.differences else []),
         accuracy(material),
         *([zones(material)] if material.zones else []),
-        conditions(material),
         distributions(material),
         *systems(material),
+        conditions(material),
         conventions(),
     )
     return Document(

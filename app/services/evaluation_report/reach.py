@@ -17,7 +17,7 @@ USUAL = 0.95  # share of the errors of each system that an axis shows in any cas
 FAR = 4.0  # the greatest error is shown up to so many times the usual ones
 BEYOND_USUAL = 2.0  # how far an axis goes that does not show it
 ROOM = 1.04
-LEAST_M = 1e-4  # of an axis: what tables still tell
+LEAST_M = 1e-3  # of an axis, also where there is no error at all
 
 
 @dataclass(frozen=True)
@@ -36,15 +36,13 @@ class Reach:
     beyond: int
     greatest_m: float
 
-    @property
-    def said(self) -> str:
-        """The sentence for a caption; nothing when the axis shows all."""
+    def said_of(self, words: str) -> str:
+        """The sentence for a caption, of errors in such words; nothing when the axis shows all."""
         if self.beyond == 0:
             return ""
         verb = "lies" if self.beyond == 1 else "lie"
-        return (
-            f" {count(self.beyond)} of the errors {verb} beyond the axis, the greatest at {error_m(self.greatest_m)} m."
-        )
+        greatest = error_m(self.greatest_m)
+        return f" {count(self.beyond)} of the {words} {verb} beyond the axis, the greatest at {greatest} m."
 
 
 def reach_of(series_m: Sequence[Array]) -> Reach:

@@ -10,6 +10,8 @@ from app.services.reporting.numbers import count
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
+GAP_STEPS = 5.0  # a line is broken where a step in time is so many times the usual one
+
 
 def extreme_rows(series: Array, most: int) -> Rows:
     """Rows that hold the least and the greatest of each column in each of many stretches.
@@ -47,6 +49,12 @@ def unbroken(times_s: Array, rows: Rows, gap_s: float) -> list[Rows]:
     """Rows, increasing, in runs without a gap: whatever a gap parts in the whole series is parted."""
     run = np.concatenate([[0], np.cumsum(np.diff(times_s) > gap_s)])[rows]
     return np.split(rows, np.flatnonzero(np.diff(run)) + 1)
+
+
+def usual_gap_s(times_s: Array) -> float:
+    """Steps in time beyond which a line is broken."""
+    steps_s = np.diff(times_s)
+    return GAP_STEPS * float(np.median(steps_s)) if len(steps_s) else np.inf
 
 
 def said(shown: int, total: int) -> str:

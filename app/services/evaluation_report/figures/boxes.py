@@ -61,7 +61,7 @@ def boxes(material: ReportMaterial) -> Figure:
         shapes += _box(axes, row, TOP + top + ROW / 2.0)
     caption = (
         "Errors in space by zone and system (pairs): box from the first to the third quartile, heavy line at the "
-        f"median, diamond at the mean, whiskers from 5 to 95 %, points beyond them.{reach.said}"
+        f"median, diamond at the mean, whiskers from 5 to 95 %, points beyond them.{reach.said_of(SPATIAL.words)}"
     )
     drawing = Drawing(WIDTH, TOP + float(size[1]) + FOOT, tuple(shapes))
     return Figure(drawing, caption, f"{len(rows)} boxes: {'; '.join(row.label for row in rows)}.")

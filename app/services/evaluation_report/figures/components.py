@@ -10,7 +10,7 @@ from app.services.evaluation_report.numbers import error_m
 from app.services.evaluation_report.reach import Reach, reach_of
 from app.services.evaluation_report.thinning import distinct_rows
 from app.services.reporting.document import Figure
-from app.services.reporting.drawing import Drawing, Ellipse, Ink, Pen, Shape, line, rectangle
+from app.services.reporting.drawing import Drawing, Ellipse, Ink, Path, Pen, Shape, line, rectangle
 from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
 from app.services.reporting.numbers import count
 from app.trajectories.evaluation import Evaluation
@@ -23,10 +23,11 @@ SIDE = (WIDTH - CORNER[0] - BETWEEN - 10.0) / 2.0
 FOOT = 34.0
 STEPS = 4
 DOT = 1.1  # radius of a point
-SPACING = 0.8  # points nearer than this are drawn as one
+SPACING = 1.4  # points nearer than this are drawn as one
 AXIS = Pen("muted", 0.7)
 ELLIPSE, CROSS = Pen("ink", 1.4), Pen("ink", 1.6)
 CROSS_REACH = 5.0
+OUTLINE_POINTS = 241
 TITLE_LEFT = 38.0
 PLANES = ((0, 1), (0, 2))
 AXES = "XYZ"
@@ -37,28 +38,26 @@ def components(evaluation: Evaluation, ink: Ink) -> Figure:
     vectors_m = evaluation.errors.vectors_m
     reach = reach_of([np.abs(vectors_m).ravel()])
     shapes: list[Shape] = []
-    shown = []
+    merges = False
     for panel, plane in enumerate(PLANES):
         corner = CORNER + np.array([panel * (SIDE + BETWEEN), 0.0])
         axes = Axes(np.full(2, -reach.end_m), np.full(2, reach.end_m), corner, np.full(2, SIDE))
         dots = _dots(axes, vectors_m[:, plane], ink)
-        shown.append(len(dots))
+        inside = (np.abs(vectors_m[:, plane]) <= reach.end_m).all(axis=1)
+        merges |= len(dots) < int(inside.sum())
         shapes += [*_grid(axes, plane), *dots, *_bias_and_spread(axes, evaluation, plane)]
     drawing = Drawing(WIDTH, float(CORNER[1]) + SIDE + FOOT, tuple(shapes))
     bias = ", ".join(error_m(value) for value in evaluation.accuracy.bias_m.tolist())
-    description = f"{count(shown[0])} points of errors in the plan and their ellipse; bias {bias} m along X, Y, Z."
-    return Figure(drawing, _caption(reach, min(shown), len(vectors_m)), description)
+    description = f"Errors along the axes and their ellipse; bias {bias} m along X, Y, Z."
+    return Figure(drawing, _caption(reach, merges, len(vectors_m)), description)
 
 
-def _caption(reach: Reach, shown: int, total: int) -> str:
-    merged = (
-        f" Where points lie closer than {SPACING:g} pt one stands for all, so that {count(shown)} of {count(total)} or "
-        "more are drawn, the outermost among them."
-    )
+def _caption(reach: Reach, merges: bool, total: int) -> str:
+    merged = f" Of {count(total)} points those that lie within {SPACING:g} pt are drawn as one."
     return (
-        "Components of the errors (estimate minus reference) of all pairs: the cross is the bias, the ellipse holds "
-        "95 % of a normal distribution of the errors' covariance."
-        f"{reach.said.replace('errors', 'components')}{merged if shown < total - reach.beyond else ''}"
+        "Components of the errors (estimate minus reference) of all pairs: the cross is the bias, the ellipse, as "
+        "far as the axes go, holds 95 % of a normal distribution of the errors' covariance."
+        f"{reach.said_of('components')}{merged if merges else ''}"
     )
 
 
@@ -87,11 +86,20 @@ def _bias_and_spread(axes: Axes, evaluation: Evaluation, plane: tuple[int, int])
     accuracy, rows = evaluation.accuracy, list(plane)
     centre = axes.place(accuracy.bias_m[rows])
     values, vectors = np.linalg.eigh(accuracy.covariance_m2[np.ix_(rows, rows)])
-    semi_axes = np.sqrt(CHI2_95_2D * np.maximum(values[::-1], 0.0)) * axes.points_per_unit[0]
-    turn_deg = -float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))  # on the sheet y points down
+    angles_rad = np.linspace(0.0, 2.0 * np.pi, OUTLINE_POINTS)
+    circle = np.sqrt(CHI2_95_2D) * np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=-1)
+    outline_m = accuracy.bias_m[rows] + circle * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
     across, up = np.array([CROSS_REACH, 0.0]), np.array([0.0, CROSS_REACH])
-    return [
-        Ellipse(centre, semi_axes, turn_deg, ELLIPSE),
-        line(centre - across, centre + across, CROSS),
-        line(centre - up, centre + up, CROSS),
-    ]
+    cross = [line(centre - arm, centre + arm, CROSS) for arm in (across, up)]
+    return [*_within(axes, outline_m), *(cross if _inside(axes, accuracy.bias_m[rows]) else [])]
+
+
+def _within(axes: Axes, outline_m: Array) -> list[Path]:
+    """What the frame holds of an outline."""
+    inside = _inside(axes, outline_m)
+    runs = np.split(np.arange(len(inside)), np.flatnonzero(np.diff(inside)) + 1)
+    return [Path(axes.place(outline_m[run]), ELLIPSE) for run in runs if inside[run[0]] and len(run) > 1]
+
+
+def _inside(axes: Axes, places_m: Array) -> npt.NDArray[np.bool_]:
+    return np.asarray(((places_m >= axes.low) & (places_m <= axes.high)).all(axis=-1))

@@ -64,7 +64,7 @@ def _caption(measures: tuple[Measure, ...], reaches: tuple[Reach, ...]) -> str:
     which = " and of ".join(measure.words for measure in measures)
     return (
         f"Cumulative distribution of {which}; circles where a curve meets 50, 75 and 95 %."
-        f"{''.join(reach.said for reach in reaches)}"
+        f"{''.join(reach.said_of(measure.words) for measure, reach in zip(measures, reaches, strict=True))}"
     )
 
 
@@ -86,9 +86,9 @@ def _panel(evaluations: Evaluations, measure: Measure, frame: tuple[Array, Array
 
 
 def _line(axes: Axes, share: float) -> list[Shape]:
-    """A level across the panel, named at its right end."""
+    """A level across the panel, named below its right end, where curves have passed."""
     ends = axes.place(np.array([[0.0, PERCENT * share], [axes.high[0], PERCENT * share]]))
-    name = Label(ends[1] + np.array([-2.0, -2.0]), f"{PERCENT * share:.0f} %", "muted", 6.5, "end")
+    name = Label(ends[1] + np.array([-2.0, 7.0]), f"{PERCENT * share:.0f} %", "muted", 6.5, "end")
     return [line(ends[0], ends[1], LINE), name]
 
 

@@ -12,7 +12,7 @@ from app.services.evaluation_report.reach import reach_of
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ink, Label, Pen, Shape, line, rectangle
 from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
-from app.services.reporting.numbers import count
+from app.services.reporting.numbers import count, fixed, nice_below
 from app.trajectories.evaluation import Evaluation
 
 Array = npt.NDArray[np.float64]
@@ -21,7 +21,7 @@ CORNER = np.array([44.0, 18.0])
 SIZE = np.array([WIDTH - 54.0, 120.0])
 FOOT = 30.0
 BAR_SHARE = 0.92
-FEWEST_BINS, MOST_BINS = 8, 60
+FEWEST_BINS, MOST_BINS = 8, 40
 ACROSS_STEPS, UP_STEPS = 5, 3
 LEVEL = Pen("ink", 0.9, dash=(3.0, 2.0))
 TITLE_LEFT = 32.0
@@ -31,24 +31,30 @@ HEADROOM = 1.08
 def histogram(evaluation: Evaluation, ink: Ink) -> Figure:
     """The errors in space of one system, with the levels of its table."""
     sizes_m = SPATIAL.of(evaluation)
-    reach = reach_of([sizes_m])
-    counts, edges_m = np.histogram(np.minimum(sizes_m, reach.end_m), _edges_m(sizes_m, reach.end_m))
+    edges_m = _edges_m(sizes_m, reach_of([sizes_m]).end_m)
+    counts, _ = np.histogram(np.minimum(sizes_m, edges_m[-1]), edges_m)
     axes = Axes(np.zeros(2), np.array([edges_m[-1], HEADROOM * counts.max()]), CORNER, SIZE)
     shapes = (*_grid(axes), *_bars(axes, counts, edges_m, ink), *_levels(axes, evaluation))
     drawing = Drawing(WIDTH, float(CORNER[1] + SIZE[1] + FOOT), shapes)
-    beyond = f" The last bar holds the {count(reach.beyond)} beyond as well." if reach.beyond else ""
-    bins = f"Histogram of {count(len(sizes_m))} errors in space, in bins of {error_m(float(edges_m[1]))} m."
-    return Figure(
-        drawing, f"{bins}{reach.said}{beyond}", f"{len(counts)} bars, the highest of {count(int(counts.max()))} pairs."
-    )
+    width = fixed(float(edges_m[1]), digits_of_step(float(edges_m[1])))
+    caption = f"Histogram of {count(len(sizes_m))} errors in space, in bins of {width} m.{_beyond(sizes_m, edges_m)}"
+    return Figure(drawing, caption, f"{len(counts)} bars, the highest of {count(int(counts.max()))} pairs.")
+
+
+def _beyond(sizes_m: Array, edges_m: Array) -> str:
+    """The sentence for what the axis does not show."""
+    outside = int((sizes_m > edges_m[-1]).sum())
+    if outside == 0:
+        return ""
+    return f" The last bar holds {count(outside)} beyond the axis as well, the greatest at {error_m(sizes_m.max())} m."
 
 
 def _edges_m(sizes_m: Array, end_m: float) -> Array:
-    """Bins of the width of Freedman and Diaconis (Z. Wahrscheinlichkeitstheorie 57, 1981), in sensible number."""
+    """Bins of Freedman's and Diaconis' width (Z. Wahrscheinlichkeitstheorie 57, 1981), rounded, in sensible number."""
     low_m, high_m = np.quantile(sizes_m, [0.25, 0.75])
     width_m = 2.0 * float(high_m - low_m) / len(sizes_m) ** (1.0 / 3.0)
-    bins = int(np.ceil(end_m / width_m)) if width_m > 0 else MOST_BINS
-    return np.linspace(0.0, end_m, min(max(bins, FEWEST_BINS), MOST_BINS) + 1)
+    round_m = nice_below(min(max(width_m, end_m / MOST_BINS), end_m / FEWEST_BINS))
+    return round_m * np.arange(np.ceil(end_m / round_m) + 1.0)
 
 
 def _grid(axes: Axes) -> list[Shape]:

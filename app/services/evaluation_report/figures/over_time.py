@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from app.services.evaluation_report.figures.measures import HORIZONTAL, VERTICAL
 from app.services.evaluation_report.look import CHI2_95_2D, FRAME, SIGMAS_95, WIDTH
 from app.services.evaluation_report.reach import Reach, reach_of
-from app.services.evaluation_report.thinning import Rows, extreme_rows, said, unbroken
+from app.services.evaluation_report.thinning import Rows, extreme_rows, said, unbroken, usual_gap_s
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ellipse, Ink, Path, Pen, Shape, line, rectangle
 from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
@@ -25,7 +26,6 @@ BETWEEN, FOOT = 16.0, 30.0
 MOST = 2000  # pairs drawn: four a point
 DOTS_UP_TO = 150  # pairs that are told apart: each has a dot
 DOT = 1.4
-GAP_STEPS = 5.0  # a line is broken where a step in time is so many times the usual one
 ACROSS_STEPS, UP_STEPS = 6, 3
 LINE, ZERO = 0.9, Pen("muted", 0.7)
 BAND = Pen("band", 0.0, filled=True)
@@ -59,8 +59,8 @@ def over_time(evaluation: Evaluation, ink: Ink) -> Figure:
     errors = evaluation.errors
     across, up = _bands_m(errors)
     panels = (
-        _Panel("horizontal error, m", errors.horizontal_m, across, 0.0),
-        _Panel("vertical error, m", errors.vectors_m[:, 2], up, -1.0),
+        _Panel(HORIZONTAL.title, errors.horizontal_m, across, 0.0),
+        _Panel(VERTICAL.title, errors.vectors_m[:, 2], up, -1.0),
     )
     rows = extreme_rows(np.column_stack([panel.values_m for panel in panels]), MOST)
     unit, per_unit_s = _unit(float(np.ptp(errors.times_s)))
@@ -70,7 +70,12 @@ def over_time(evaluation: Evaluation, ink: Ink) -> Figure:
         corner = CORNER + np.array([0.0, index * (SIZE[1] + BETWEEN)])
         axes, reach = _axes(panel, (errors.times_s - errors.times_s[0]) / per_unit_s, corner)
         reaches.append(reach)
-        shapes += [*_ground(axes, panel, f"time, {unit}" if index else ""), *_series(axes, panel, (errors, rows), ink)]
+        drawn = _Drawn(axes, errors, rows)
+        shapes += [
+            *drawn.band(panel),
+            *_ground(axes, panel, f"time, {unit}" if index else ""),
+            *drawn.series(panel, ink),
+        ]
     height = float(CORNER[1] + 2 * SIZE[1] + BETWEEN + FOOT)
     description = f"Two curves over {fixed(float(np.ptp(errors.times_s)) / per_unit_s, 1)} {unit}."
     return Figure(
@@ -85,7 +90,8 @@ def _caption(reaches: list[Reach], band_m: Array | None, thinned: str) -> str:
         else " Grey: where 95 % of the reference's own errors lie (the longer semi-axis of its ellipse; 1.96 sigma)."
     )
     triangles = " Triangles point to them." if any(reach.beyond for reach in reaches) else ""
-    beyond = "".join(reach.said for reach in reaches)
+    words = HORIZONTAL.words, VERTICAL.words
+    beyond = "".join(reach.said_of(part) for reach, part in zip(reaches, words, strict=True))
     series = "Errors over time since the first pair: size in the plan, and sign and size in height."
     return f"{series}{band}{beyond}{triangles}{thinned}"
 
@@ -124,23 +130,38 @@ def _ground(axes: Axes, panel: _Panel, across: str) -> list[Shape]:
     ]
 
 
-def _series(axes: Axes, panel: _Panel, drawn: tuple[Errors, Rows], ink: Ink) -> list[Shape]:
-    """The band below, the series, triangles for what lies beyond."""
-    errors, rows = drawn
-    span_s = float(np.ptp(errors.times_s)) or 1.0
-    across = (errors.times_s - errors.times_s[0]) / span_s * axes.high[0]
-    inside_m = np.clip(panel.values_m, axes.low[1], axes.high[1])
-    places = axes.place(np.column_stack([across, inside_m]))
-    shapes: list[Shape] = []
-    steps_s = np.diff(errors.times_s)
-    gap_s = GAP_STEPS * float(np.median(steps_s)) if len(steps_s) else np.inf
-    for run in unbroken(errors.times_s, rows, gap_s):
-        if panel.band_m is not None:
-            shapes.append(_band(axes, across[run], panel.band_m[run]))
-        shapes.append(Path(places[run], Pen(ink, LINE)))
-    if len(errors) <= DOTS_UP_TO:
-        shapes += [Ellipse(place, np.full(2, DOT), 0.0, Pen(ink, 0.0, filled=True)) for place in places]
-    return shapes + _triangles(axes, places[rows], panel.values_m[rows], ink)
+@dataclass(frozen=True)
+class _Drawn:
+    """The pairs that a panel draws: its axes, all errors, and the rows of these that are left after thinning."""
+
+    axes: Axes
+    errors: Errors
+    rows: Rows
+
+    def band(self, panel: _Panel) -> list[Shape]:
+        """The reference's uncertainty, below everything else."""
+        if panel.band_m is None:
+            return []
+        return [_band(self.axes, self._across[run], panel.band_m[run]) for run in self._runs]
+
+    def series(self, panel: _Panel, ink: Ink) -> list[Shape]:
+        """The errors, and triangles for what lies beyond."""
+        inside_m = np.clip(panel.values_m, self.axes.low[1], self.axes.high[1])
+        places = self.axes.place(np.column_stack([self._across, inside_m]))
+        lines = [Path(places[run], Pen(ink, LINE)) for run in self._runs]
+        dotted = places if len(places) <= DOTS_UP_TO else places[:0]
+        dots = [Ellipse(place, np.full(2, DOT), 0.0, Pen(ink, 0.0, filled=True)) for place in dotted]
+        return [*lines, *dots, *_triangles(self.axes, places[self.rows], panel.values_m[self.rows], ink)]
+
+    @property
+    def _across(self) -> Array:
+        """Along the axis of time, shape (K,)."""
+        span_s = float(np.ptp(self.errors.times_s)) or 1.0  # of a single moment
+        return np.asarray((self.errors.times_s - self.errors.times_s[0]) / span_s * self.axes.high[0])
+
+    @property
+    def _runs(self) -> list[Rows]:
+        return unbroken(self.errors.times_s, self.rows, usual_gap_s(self.errors.times_s))
 
 
 def _band(axes: Axes, across: Array, band_m: Array) -> Path:

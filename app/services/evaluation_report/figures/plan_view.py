@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from app.services.evaluation_report.figures.plan_key import SIZES, ClassScale, plan_key, plan_key_height
 from app.services.evaluation_report.look import FRAME, WIDTH
-from app.services.evaluation_report.thinning import Rows, extreme_rows, said, unbroken
+from app.services.evaluation_report.thinning import Rows, extreme_rows, said, unbroken, usual_gap_s
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ellipse, Label, Path, Pen, Shape, arrow, line, rectangle
 from app.services.reporting.figures.axes import digits_of_step, nice_step, plan_axes
@@ -53,7 +53,6 @@ GRID_COUNT = 5
 TITLE_LEFT = 38.0
 PATH, START = Pen("muted", 0.8), Pen("ink", 1.2)
 DOT, START_RADIUS, HEAD = 1.2, 3.2, 2.6
-GAP_STEPS = 5.0  # a line is broken where a step in time is so many times the usual one
 ZONE = Pen("muted", 0.8, dash=(4.0, 2.5))
 ZONE_NAME = 7.0
 
@@ -141,10 +140,8 @@ class _Plan:
     def _path(self) -> list[Shape]:
         """The reference, broken where it was away."""
         times_s = self.errors.times_s
-        steps_s = np.diff(times_s)
-        gap_s = GAP_STEPS * float(np.median(steps_s)) if len(steps_s) else np.inf
         places = self.axes.place(self.places_m)
-        runs = unbroken(times_s, self.path_rows, gap_s)
+        runs = unbroken(times_s, self.path_rows, usual_gap_s(times_s))
         dots = places if len(places) <= self.options.dots_up_to else places[:0]
         return [
             *(Path(places[run], PATH) for run in runs),

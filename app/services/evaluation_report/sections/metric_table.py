@@ -54,6 +54,11 @@ def _degrees(value: Callable[[Summary], float], evaluation: Evaluation) -> str:
     return MISSING if rotation is None else fixed(float(np.degrees(value(rotation))), DEGREE_DIGITS)
 
 
+def _offset_sigma(evaluation: Evaluation) -> str:
+    sigma_s = evaluation.time_offset.sigma_s
+    return "given" if sigma_s == 0.0 else fixed(sigma_s, SECOND_DIGITS)
+
+
 def _floors(evaluation: Evaluation) -> str:
     return percent(None if evaluation.floors is None else evaluation.floors.detection_probability)
 
@@ -110,7 +115,7 @@ AVAILABILITY: tuple[Row, ...] = (
 )
 ALIGNMENT: tuple[Row, ...] = (
     ("Clock offset, s", lambda e: fixed(e.time_offset.offset_s, SECOND_DIGITS)),
-    ("Its sigma, s", lambda e: fixed(e.time_offset.sigma_s, SECOND_DIGITS)),
+    ("Its sigma, s", _offset_sigma),
     ("Alignment", lambda e: e.alignment.kind),
     ("Pairs that fixed it", lambda e: count(e.alignment.pairs_used)),
     ("Scale", lambda e: fixed(e.alignment.site_from_estimate.scale, SCALE_DIGITS)),

@@ -19,6 +19,7 @@ from app.services.reporting.numbers import count, listed, moment
 from app.trajectories.evaluation import Evaluation
 
 MOST_NAMES = 12
+OVERVIEW_NOTE = "SE: errors in space; CE: in the plan; EvAAL: third quartile. More, and what the words mean, below."
 
 
 def summary(material: ReportMaterial) -> Section:
@@ -72,7 +73,7 @@ def _overview(material: ReportMaterial) -> Table:
         )
         for name, evaluation in material.evaluations.items()
     )
-    return Table("Systems", columns, rows)
+    return Table("Systems", columns, rows, OVERVIEW_NOTE)
 
 
 def _facts(material: ReportMaterial) -> Facts:
