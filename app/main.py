@@ -14,6 +14,7 @@ from app.api.dependencies import Services
 from app.jobs.fork_server import start_fork_server
 from app.jobs.pool import WorkerPool
 from app.services.access_upkeep import AccessUpkeep
+from app.services.evaluations import Evaluator
 from app.services.gatekeeper import AccessRules, Gatekeeper
 from app.services.keys import ensure_bootstrap_key
 from app.services.locate import Afterwards, LocateLimits, Locator
@@ -79,6 +80,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 transfers=SiteTransfers(database, photos, budget, transfer_limits(settings)),
                 locator=locator,
                 bell=bell,
+                evaluator=Evaluator(locating, settings.evaluate_timeout_s),
                 importer=TrajectoryImporter(locating, settings.evaluate_timeout_s, settings.data_dir),
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 readiness=Readiness(

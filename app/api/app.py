@@ -23,6 +23,7 @@ from app.api.request_id import RequestIds
 from app.api.routes import (
     audit,
     docs,
+    evaluations,
     jobs,
     keys,
     locate,
@@ -91,7 +92,21 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     app.include_router(locate.router, max_body_size=snapshot_bytes)
     app.include_router(transfer.import_router, max_body_size=settings.max_import_bytes)
     app.include_router(trajectory_import.router, max_body_size=settings.max_trajectory_bytes)
-    texts = (sites, transfer, surveys, jobs, maps, trajectories, snapshots, operations, storage, keys, session, audit)
+    texts = (
+        sites,
+        transfer,
+        surveys,
+        jobs,
+        maps,
+        trajectories,
+        evaluations,
+        snapshots,
+        operations,
+        storage,
+        keys,
+        session,
+        audit,
+    )
     for routes in texts:
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)
     app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)

@@ -10,6 +10,7 @@ from fastapi import Depends, Path, Query, Request
 from pydantic import AfterValidator
 
 from app.errors import NotFound
+from app.services.evaluations import Evaluator
 from app.services.gatekeeper import Gatekeeper
 from app.services.locate import Locator
 from app.services.metrics import ServiceMetrics
@@ -45,6 +46,7 @@ class Services:
     reports: ReportWriter
     bell: TrajectoryBell
     importer: TrajectoryImporter
+    evaluator: Evaluator
     readiness: Readiness
     gatekeeper: Gatekeeper
     sessions: BrowserSessions

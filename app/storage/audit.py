@@ -17,7 +17,18 @@ from sqlalchemy import delete, event, select
 from sqlalchemy.orm import Session, UOWTransaction
 
 from app.storage.ids import new_id
-from app.storage.models import AuditRow, Base, CameraRow, JobRow, KeyRow, SiteRow, SurveyRow, TrajectoryRow
+from app.storage.models import (
+    AuditRow,
+    Base,
+    CameraRow,
+    EvaluationRow,
+    JobRow,
+    KeyRow,
+    LiveEvaluationRow,
+    SiteRow,
+    SurveyRow,
+    TrajectoryRow,
+)
 from app.storage.paging import Page, PageRequest, page_of
 
 Outcome = Literal["done", "refused"]
@@ -31,6 +42,8 @@ IDS: dict[type[Base], str] = {
     TrajectoryRow: "trajectory_id",
     CameraRow: "camera_id",
     KeyRow: "key_id",
+    EvaluationRow: "evaluation_id",
+    LiveEvaluationRow: "live_id",
 }
 
 

@@ -8,7 +8,16 @@ from typing import Any
 from sqlalchemy import ColumnElement, select, true
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from app.storage.models import Base, CameraRow, JobRow, SnapshotRow, SurveyRow, TrajectoryRow
+from app.storage.models import (
+    Base,
+    CameraRow,
+    EvaluationRow,
+    JobRow,
+    LiveEvaluationRow,
+    SnapshotRow,
+    SurveyRow,
+    TrajectoryRow,
+)
 
 # By the names that ids have in addresses.
 OWNED: dict[str, type[Base]] = {
@@ -17,11 +26,13 @@ OWNED: dict[str, type[Base]] = {
     "trajectory_id": TrajectoryRow,
     "camera_id": CameraRow,
     "pose_id": SnapshotRow,
+    "evaluation_id": EvaluationRow,
+    "live_id": LiveEvaluationRow,
 }
 
 
 def site_of(session: Session, id_name: str, identifier: str) -> str | None:
-    """The site that a survey, job, trajectory, camera or pose belongs to; None when there is no such thing."""
+    """The site that something with an id of its own belongs to; None when there is no such thing."""
     if id_name == "site_id":
         return identifier
     table: Any = OWNED[id_name]

@@ -49,6 +49,26 @@ class EvaluationOptions:
 
 
 @dataclass(frozen=True)
+class Match:
+    """The poses of a system beside the reference's, before anything is judged.
+
+    Attributes
+    ----------
+    pairs : Pairs
+        Aligned.
+    time_offset : TimeOffset
+        As given (sigma 0) or as estimated.
+    alignment : Alignment
+    availability : Availability
+    """
+
+    pairs: Pairs
+    time_offset: TimeOffset
+    alignment: Alignment
+    availability: Availability
+
+
+@dataclass(frozen=True)
 class Intervals:
     """Confidence intervals of the spatial error, in metres."""
 
@@ -107,25 +127,39 @@ def evaluate(reference: Trajectory, estimate: Trajectory, options: EvaluationOpt
         When orientations are needed and missing.
     """
     options = options or EvaluationOptions()
+    return judge(match(reference, estimate, options), options)
+
+
+def match(reference: Trajectory, estimate: Trajectory, options: EvaluationOptions) -> Match:
+    """The first half of ``evaluate``: lever arm, clock, pairs, alignment."""
     if options.lever_arm_m is not None:
         reference = with_lever_arm(reference, options.lever_arm_m)
     offset = _time_offset(reference, estimate, options)
     matched = associate(reference, estimate, options.association, offset.offset_s)
     alignment = align(matched, options.alignment)
-    pairs = replace(matched, estimate=alignment.apply(matched.estimate))
-    errors = errors_of(pairs)
-    floors = floor_score(pairs, options.floor_height_m)
     stamps_s = estimate.times_s + offset.offset_s
-    return Evaluation(
-        pairs=pairs,
+    return Match(
+        pairs=replace(matched, estimate=alignment.apply(matched.estimate)),
         time_offset=offset,
         alignment=alignment,
+        availability=availability(reference.times_s, stamps_s, options.association.max_gap_s),
+    )
+
+
+def judge(found: Match, options: EvaluationOptions) -> Evaluation:
+    """The second half of ``evaluate``: errors and metrics; the same match gives the same numbers at any time."""
+    pairs, errors = found.pairs, errors_of(found.pairs)
+    floors = floor_score(pairs, options.floor_height_m)
+    return Evaluation(
+        pairs=pairs,
+        time_offset=found.time_offset,
+        alignment=found.alignment,
         errors=errors,
         accuracy=accuracy_of(errors),
         intervals=_intervals(errors.spatial_m, options.bootstrap),
         evaal=summarise(evaal_errors_m(errors, floors)),
         floors=floors,
-        availability=availability(reference.times_s, stamps_s, options.association.max_gap_s),
+        availability=found.availability,
         zones=accuracy_by_zone(errors, pairs.reference.positions_m, options.zones),
         verdict=verdict_on(errors),
     )

@@ -19,7 +19,8 @@ class BootstrapOptions:
     Attributes
     ----------
     resamples : int
-        Enough for the ends of a 95 % interval to move by a hundredth of its width from seed to seed.
+        Enough for the ends of a 95 % interval to move by a hundredth of its width from seed to seed; of many errors,
+        whose interval is narrow anyhow, fewer are drawn.
     confidence : float
         Share of the interval.
     block : int or None
@@ -52,6 +53,8 @@ class Interval:
 
 
 GREATEST_CHUNK = 4_000_000  # numbers drawn at a time: 32 MB
+GREATEST_DRAW = 40_000_000  # numbers drawn for one interval: some seconds
+LEAST_RESAMPLES = 200  # with these, the ends move by a tenth of the interval's width
 CORRELATED = 1.96  # autocorrelations below this over sqrt(K) are those of white noise (two-sided 95 %)
 
 
@@ -82,9 +85,10 @@ def _drawn(values: Array, statistic: Statistic, block: int, options: BootstrapOp
     random, count = np.random.default_rng(options.seed), len(values)
     blocks = -(-count // block)
     at_a_time = max(1, GREATEST_CHUNK // count)
+    wanted = min(options.resamples, max(LEAST_RESAMPLES, GREATEST_DRAW // count))
     drawn = []
-    for first in range(0, options.resamples, at_a_time):
-        resamples = min(at_a_time, options.resamples - first)
+    for first in range(0, wanted, at_a_time):
+        resamples = min(at_a_time, wanted - first)
         starts = random.integers(count, size=(resamples, blocks, 1))
         rows = (starts + np.arange(block)).reshape(resamples, -1)[:, :count] % count
         drawn.append(statistic(values[rows]))
