@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import logging
 import socket
 from contextlib import nullcontext
@@ -118,6 +119,10 @@ def _server(settings: Settings, door: Door) -> GracefulServer:
 
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:
             await super().startup(sockets)
+            # What is there now stays. Full collections then walk through the rest alone: they come when that has grown
+            # by a quarter, not the whole, and take no tens of milliseconds.
+            gc.collect()
+            gc.freeze()
             if self.started and sockets:
                 print(door.greeting(_url(sockets[0], door.scheme)), flush=True)
 

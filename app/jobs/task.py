@@ -64,8 +64,10 @@ class Task(Future[Any]):
         super().set_exception(exception)
 
     def _settle(self) -> None:
-        if self._settling is not None:
-            self._settling()
+        # Let go of: it knows the task, and a circle that holds a photograph may stand in memory for minutes.
+        settling, self._settling = self._settling, None
+        if settling is not None:
+            settling()
 
     @property
     def end_wanted(self) -> bool:

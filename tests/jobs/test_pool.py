@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import signal
 import subprocess
@@ -10,6 +11,7 @@ import sys
 import textwrap
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -197,6 +199,22 @@ def test_workers_that_cannot_start_are_reported_and_leave_nothing() -> None:
     with pytest.raises(WorkerCrashed, match="no licence for this worker"):
         pool.start()
     assert pool.pids == ()
+
+
+def test_a_task_that_is_done_leaves_nothing_for_the_garbage_collector(pool: WorkerPool) -> None:
+    gc.disable()
+    try:
+        task = pool.submit(pool_work.double, 4)
+        assert task.result() == 8
+        gone = weakref.ref(task)
+        del task
+        deadline_s = time.monotonic() + 20.0
+        while gone() is not None and time.monotonic() < deadline_s:
+            time.sleep(0.005)  # its keeper turns to the next one
+            pool.submit(pool_work.double, 1).result()
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 def test_a_pool_that_was_never_started_can_be_closed() -> None:
