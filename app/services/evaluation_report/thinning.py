@@ -45,6 +45,22 @@ def distinct_rows(places: Array, spacing: float) -> Rows:
     return np.sort(rows)
 
 
+def spread_rows(values: Array, most: int, greatest: int) -> Rows:
+    """Rows spread evenly, ``most`` about, and those of the greatest values, shape (K,); all when there are no more."""
+    if len(values) <= most + greatest:
+        return np.arange(len(values))
+    even = np.linspace(0, len(values) - 1, most).astype(np.intp)
+    return np.union1d(even, np.argpartition(values, -greatest)[-greatest:])
+
+
+def moved_rows(places: Array, spacing: float) -> Rows:
+    """Rows at which a path, shape (K, 2), enters another square of a grid; the first and the last row among them."""
+    squares = np.floor(places / spacing)
+    entered = (np.diff(squares, axis=0) != 0).any(axis=1)
+    entered[-1:] = True
+    return np.flatnonzero(np.concatenate([[True], entered]))
+
+
 def unbroken(times_s: Array, rows: Rows, gap_s: float) -> list[Rows]:
     """Rows, increasing, in runs without a gap: whatever a gap parts in the whole series is parted."""
     run = np.concatenate([[0], np.cumsum(np.diff(times_s) > gap_s)])[rows]

@@ -31,7 +31,7 @@ SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
 THIN, MEDIAN = 0.9, 2.2  # strokes
 MEAN = 2.0  # half a diagonal of the diamond
 DOT, SPACING = 0.9, 1.0  # of a point beyond the whiskers; points nearer than this are drawn as one
-EVERYWHERE = "everywhere"
+EVERYWHERE = ""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,8 @@ class _Row:
 
     @property
     def label(self) -> str:
-        return f"{short(self.zone)} · {short(self.name)} ({count(len(self.sizes_m))})"
+        zone = "" if self.zone == EVERYWHERE else f"{short(self.zone)} · "
+        return f"{zone}{short(self.name)} ({count(len(self.sizes_m))})"
 
 
 def boxes(material: ReportMaterial) -> Figure:
@@ -60,7 +61,7 @@ def boxes(material: ReportMaterial) -> Figure:
     for row, top in zip(rows, tops, strict=True):
         shapes += _box(axes, row, TOP + top + ROW / 2.0)
     caption = (
-        "Errors in space by zone and system (pairs): box from the first to the third quartile, heavy line at the "
+        f"Errors in space by {'zone and ' if material.zones else ''}system (pairs): box from the first to the third quartile, heavy line at the "
         f"median, diamond at the mean, whiskers from 5 to 95 %, points beyond them.{reach.said_of(SPATIAL.words)}"
     )
     drawing = Drawing(WIDTH, TOP + float(size[1]) + FOOT, tuple(shapes))

@@ -23,7 +23,7 @@ SIDE = (WIDTH - CORNER[0] - BETWEEN - 10.0) / 2.0
 FOOT = 34.0
 STEPS = 4
 DOT = 1.1  # radius of a point
-SPACING = 1.4  # points nearer than this are drawn as one
+MOST_DOTS, SPACING = 3000, 1.4  # of more dots those nearer than this are drawn as one
 AXIS = Pen("muted", 0.7)
 ELLIPSE, CROSS = Pen("ink", 1.4), Pen("ink", 1.6)
 CROSS_REACH = 5.0
@@ -43,8 +43,7 @@ def components(evaluation: Evaluation, ink: Ink) -> Figure:
         corner = CORNER + np.array([panel * (SIDE + BETWEEN), 0.0])
         axes = Axes(np.full(2, -reach.end_m), np.full(2, reach.end_m), corner, np.full(2, SIDE))
         dots = _dots(axes, vectors_m[:, plane], ink)
-        inside = (np.abs(vectors_m[:, plane]) <= reach.end_m).all(axis=1)
-        merges |= len(dots) < int(inside.sum())
+        merges |= len(dots) < int(_inside(axes, vectors_m[:, plane]).sum())
         shapes += [*_grid(axes, plane), *dots, *_bias_and_spread(axes, evaluation, plane)]
     drawing = Drawing(WIDTH, float(CORNER[1]) + SIDE + FOOT, tuple(shapes))
     bias = ", ".join(error_m(value) for value in evaluation.accuracy.bias_m.tolist())
@@ -76,9 +75,10 @@ def _grid(axes: Axes, plane: tuple[int, int]) -> list[Shape]:
 
 
 def _dots(axes: Axes, vectors_m: Array, ink: Ink) -> list[Shape]:
-    places = axes.place(vectors_m[(np.abs(vectors_m) <= axes.high).all(axis=1)])
-    pen = Pen(ink, 0.0, filled=True)
-    return [Ellipse(place, np.full(2, DOT), 0.0, pen) for place in places[distinct_rows(places, SPACING)]]
+    places = axes.place(vectors_m[_inside(axes, vectors_m)])
+    if len(places) > MOST_DOTS:
+        places = places[distinct_rows(places, SPACING)]
+    return [Ellipse(place, np.full(2, DOT), 0.0, Pen(ink, 0.0, filled=True)) for place in places]
 
 
 def _bias_and_spread(axes: Axes, evaluation: Evaluation, plane: tuple[int, int]) -> list[Shape]:

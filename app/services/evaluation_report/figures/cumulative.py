@@ -29,7 +29,7 @@ BELOW_KEY = 8.0  # of the last line of the key nothing stands below the baseline
 MOST_POINTS = 1001  # of a curve: every 0.1 %
 LINES = (0.5, 0.75, 0.95)
 LINE = Pen("muted", 0.6, dash=(2.0, 2.0))
-ACROSS_STEPS, UP_STEP = 5, 25.0
+LEAST_STEP, UP_STEP = 80.0, 25.0  # points between numbers across, twice as many at most; percent
 MARK_RADIUS = 2.2
 TITLE_LEFT = 32.0
 
@@ -72,7 +72,7 @@ def _panel(evaluations: Evaluations, measure: Measure, frame: tuple[Array, Array
     series_m = {name: measure.of(evaluation) for name, evaluation in evaluations.items()}
     reach = reach_of(list(series_m.values()))
     axes = Axes(np.zeros(2), np.array([reach.end_m, PERCENT]), *frame)
-    step = nice_step(0.0, reach.end_m, ACROSS_STEPS)
+    step = nice_step(0.0, reach.end_m, round(float(axes.size[0]) / LEAST_STEP))
     shapes: list[Shape] = [
         *axes.grid(0, step, digits_of_step(step)),
         *axes.grid(1, UP_STEP, 0),

@@ -71,9 +71,10 @@ def _bars(axes: Axes, counts: npt.NDArray[np.intp], edges_m: Array, ink: Ink) ->
     shapes: list[Shape] = []
     half_m = 0.5 * BAR_SHARE * float(edges_m[1])
     for middle_m, height in zip((edges_m[1:] + edges_m[:-1]) / 2.0, counts, strict=True):
-        low = axes.place(np.array([middle_m - half_m, 0.0]))
-        high = axes.place(np.array([middle_m + half_m, float(height)]))
-        shapes.append(rectangle(low, high, Pen(ink, 0.0, filled=True)))
+        if height > 0:
+            low = axes.place(np.array([middle_m - half_m, 0.0]))
+            high = axes.place(np.array([middle_m + half_m, float(height)]))
+            shapes.append(rectangle(low, high, Pen(ink, 0.0, filled=True)))
     shapes.append(rectangle(axes.corner, axes.corner + axes.size, FRAME))
     return shapes
 

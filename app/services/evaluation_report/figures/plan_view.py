@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from app.services.evaluation_report.figures.plan_key import SIZES, ClassScale, plan_key, plan_key_height
 from app.services.evaluation_report.look import FRAME, WIDTH
-from app.services.evaluation_report.thinning import Rows, extreme_rows, said, unbroken, usual_gap_s
+from app.services.evaluation_report.thinning import Rows, distinct_rows, moved_rows, spread_rows, unbroken, usual_gap_s
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ellipse, Label, Path, Pen, Shape, arrow, line, rectangle
 from app.services.reporting.figures.axes import digits_of_step, nice_step, plan_axes
@@ -30,15 +30,18 @@ class PlanOptions:
         Of the frame at most, points: the plan, the key and another figure fit a page.
     vector : float
         Length of a long error (95 of 100 are shorter), points: its direction is seen, its neighbours are not hidden.
-    most_vectors, most_places : int
-        Errors that are drawn, and places of the path: more would cover each other.
+    most_vectors, most_great : int
+        Errors that are drawn, spread over the walk, and the greatest beside them: more would cover each other.
+    most_places : int
+        Of the path's line, to the point. A longer one has been over its own ground: that is drawn as dots.
     dots_up_to : int
         Pairs up to which each place of the reference has a dot.
     """
 
     height: float = 400.0
     vector: float = 26.0
-    most_vectors: int = 1200
+    most_vectors: int = 600
+    most_great: int = 100
     most_places: int = 6000
     dots_up_to: int = 400
 
@@ -53,6 +56,7 @@ GRID_COUNT = 5
 TITLE_LEFT = 38.0
 PATH, START = Pen("muted", 0.8), Pen("ink", 1.2)
 DOT, START_RADIUS, HEAD = 1.2, 3.2, 2.6
+PATH_SPACING = 0.7  # points: what a line that is as wide does not show
 ZONE = Pen("muted", 0.8, dash=(4.0, 2.5))
 ZONE_NAME = 7.0
 
@@ -92,8 +96,7 @@ class _Plan:
         length = usual_m * float(self.axes.points_per_unit[0])
         self.enlargement = max(1.0, nice_below(options.vector / length)) if length > 0 else 1.0
         self.limits_m = class_limits_m(sizes_m)
-        self.rows = extreme_rows(sizes_m[:, None], options.most_vectors)
-        self.path_rows = extreme_rows(self.places_m, options.most_places)
+        self.rows = spread_rows(sizes_m, options.most_vectors, options.most_great)
         self.tips = self._tips(self.rows)
 
     def shapes(self) -> list[Shape]:
@@ -104,11 +107,18 @@ class _Plan:
         cut = int((self.tips[1] < 1.0).sum())
         enlarged = f"enlarged {count(round(self.enlargement))} times" if self.enlargement > 1 else "true to scale"
         ended = "" if cut == 0 else f" {count(cut)} of them end at the frame, without a head."
-        thinned = said(len(self.rows), len(self.errors)).replace("pairs", "errors")
+        thinned = self._thinned()
         return (
-            "Plan view: the reference's path (line, from the circle) and the errors in the plan (arrows from the "
+            "Plan view: the reference's path (grey, from the circle) and the errors in the plan (arrows from the "
             f"reference to the estimate, {enlarged}), coloured by size.{ended}{thinned}"
         )
+
+    def _thinned(self) -> str:
+        """The sentence for what is not drawn."""
+        if len(self.rows) == len(self.errors):
+            return ""
+        drawn, total, great = count(len(self.rows)), count(len(self.errors)), count(self.options.most_great)
+        return f" Of {total} errors {drawn} are drawn: evenly over the walk, and the {great} greatest."
 
     def description(self) -> str:
         """The plan for those who do not see it."""
@@ -141,8 +151,12 @@ class _Plan:
         """The reference, broken where it was away."""
         times_s = self.errors.times_s
         places = self.axes.place(self.places_m)
-        runs = unbroken(times_s, self.path_rows, usual_gap_s(times_s))
-        dots = places if len(places) <= self.options.dots_up_to else places[:0]
+        rows = moved_rows(places, PATH_SPACING)
+        runs, dots = unbroken(times_s, rows, usual_gap_s(times_s)), places[:0]
+        if len(rows) > self.options.most_places:
+            runs, dots = [], places[distinct_rows(places, PATH_SPACING)]
+        elif len(places) <= self.options.dots_up_to:
+            dots = places
         return [
             *(Path(places[run], PATH) for run in runs),
             *(Ellipse(place, np.full(2, DOT), 0.0, Pen("muted", 0.0, filled=True)) for place in dots),

@@ -17,8 +17,10 @@ from app.services.reporting.document import (
 )
 from app.services.reporting.numbers import count, listed, moment
 from app.trajectories.evaluation import Evaluation
+from app.trajectories.metrics.distinguishable import Verdict
 
 MOST_NAMES = 12
+NO_VERDICT = "The reference told no covariances: how much of the errors is its own is not known."
 OVERVIEW_NOTE = "SE: errors in space; CE: in the plan; EvAAL: third quartile. More, and what the words mean, below."
 
 
@@ -92,15 +94,15 @@ def _facts(material: ReportMaterial) -> Facts:
 
 def _findings(material: ReportMaterial) -> tuple[Finding, ...]:
     """The gravest first."""
-    findings = [_verdict(name, evaluation) for name, evaluation in material.evaluations.items()]
+    verdicts = {name: evaluation.verdict for name, evaluation in material.evaluations.items()}
+    findings = [_finding(name, verdict) for name, verdict in verdicts.items() if verdict is not None]
+    unknown = [name for name, verdict in verdicts.items() if verdict is None]
+    if unknown:
+        findings.append(Finding(f"No verdict on {listed(unknown, MOST_NAMES)}", NO_VERDICT, grave=False))
     return tuple(sorted(findings, key=lambda finding: not finding.grave))
 
 
-def _verdict(name: str, evaluation: Evaluation) -> Finding:
-    verdict = evaluation.verdict
-    if verdict is None:
-        text = "The reference told no covariances: how much of the errors is its own is not known."
-        return Finding(name, text, grave=False)
+def _finding(name: str, verdict: Verdict) -> Finding:
     left = (
         ""
         if verdict.system_rms_m is None

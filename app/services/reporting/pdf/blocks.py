@@ -37,7 +37,7 @@ def flowables_of(block: Block, width: float) -> list[Flowable]:
         case Paragraph(text):
             return [PdfParagraph(markup(text), look.TEXT)]
         case Facts():
-            return [_facts(block, width)]
+            return [_facts(block, width), Spacer(0, GAP)]
         case KeyFigures():
             return [_key_figures(block, width), Spacer(0, GAP)]
         case Findings(findings):
