@@ -4,9 +4,9 @@
 
 1. Malformed images from a seed (``benchmarks/mutants.py``) through the worker pool, every hundredth over HTTP: each is
    located or refused. A worker that dies, hangs or raises anything else is a fault; its image is kept.
-2. Requests with the memory of the service watched: a line is fitted once it has settled.
-3. Clients that offer more than twice what the service can carry: it answers what it can, sends the others away, stays
+2. Clients that offer more than twice what the service can carry: it answers what it can, sends the others away, stays
    alive, and takes no more memory at the end than at the beginning.
+3. Requests with the memory of the service watched: after the load its allocators have taken what they need.
 
 The last line is the verdict; the exit code is 1 when any part failed.
 """
@@ -74,8 +74,8 @@ def main() -> int:
     with _stage(open_room(arguments.room), workers) as stage:
         failures = [
             *soak_mutants(stage, arguments.seed, arguments.mutants, FAULTS),
-            *soak_memory(stage, arguments.requests),
             *soak_overload(stage, arguments.minutes),
+            *soak_memory(stage, arguments.requests),
         ]
     for failure in failures:
         console.print(f"FAILED: {failure}")

@@ -1,4 +1,4 @@
-"""A service to be ill-treated, and the ledger that it is held against after each test."""
+"""A service to be ill-treated, and the ledger that it is held against."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def shared_ledger(served: Served) -> Iterator[Ledger]:
         yield kept
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def ledger(shared_ledger: Ledger) -> Iterator[Ledger]:
-    """After the test nothing may be lost."""
+    """After the tests of a file nothing may be lost; each of them says itself what it leaves."""
     yield shared_ledger
     shared_ledger.check()

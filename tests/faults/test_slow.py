@@ -33,12 +33,7 @@ def impatient(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
         patience.setattr(PatientProtocol, "header_timeout_s", HEADERS_S)
         with serve(limits, worker=False) as running, closing(Ledger(running)) as kept:
             yield kept
-
-
-@pytest.fixture(autouse=True)
-def nothing_is_lost(impatient: Ledger) -> Iterator[None]:
-    yield
-    impatient.check()
+            kept.check()
 
 
 def upload_head(ledger: Ledger, name: str, length: int = len(PHOTO)) -> bytes:
