@@ -42,13 +42,13 @@ class ZoneBody(Body):
 class BootstrapBody(Body):
     """Confidence intervals."""
 
-    resamples: Annotated[int, WHOLE, Field(ge=100, le=10_000, strict=True)] = 2000
+    resamples: Annotated[int, Field(ge=100, le=10_000, strict=True), WHOLE] = 2000
     confidence: Annotated[Finite, Field(ge=0.5, le=0.999)] = 0.95
     block: Annotated[
-        Annotated[int, WHOLE, Field(ge=1, le=2**31 - 1, strict=True)] | None,
+        Annotated[int, Field(ge=1, le=2**31 - 1, strict=True), WHOLE] | None,
         Field(description="Errors that stay together; null: found from their autocorrelation."),
     ] = None
-    seed: Annotated[int, WHOLE, Field(ge=0, le=2**31 - 1, strict=True)] = 1
+    seed: Annotated[int, Field(ge=0, le=2**31 - 1, strict=True), WHOLE] = 1
 
 
 class OptionsBody(Body):
@@ -62,7 +62,7 @@ class OptionsBody(Body):
         Field(description="The reference's clock less the estimate's."),
     ] = 0.0
     alignment: Literal["none", "se3", "posyaw", "sim3", "origin", "first_n"] = "none"
-    first_n: Annotated[int, WHOLE, Field(ge=3, le=2**31 - 1, strict=True)] = 10
+    first_n: Annotated[int, Field(ge=3, le=2**31 - 1, strict=True), WHOLE] = 10
     rotation_from: Literal["positions", "orientations"] = "positions"
     lever_arm_m: Annotated[
         Annotated[list[Metres], Field(min_length=3, max_length=3)] | None,

@@ -19,7 +19,9 @@ UNIT = "Of the stamps; seen in those that count from 1970, else the format's own
 class ImportParameters(Body):
     """What is said of a file."""
 
-    site_id: Annotated[Id, Field(description="The site in whose frame the positions are, or whose anchor they need.")]
+    site_id: Annotated[
+        Id, Field(min_length=1, description="The site in whose frame the positions are, or whose anchor they need.")
+    ]
     name: Annotated[Text | None, Field(description="For people.")] = None
     device_id: Annotated[Text | None, Field(description="The device or system that it came from.")] = None
     format: Annotated[Literal["csv", "tum", "euroc", "kitti", "evaal", "geojson"] | None, Field(description=FORMAT)] = (
