@@ -31,7 +31,7 @@ class Rule:
     kinds : tuple of str
         Last part of the problem's type.
     fields : tuple of str
-        Where the problem says the fault lies; none when the kind says enough.
+        Patterns of where the problem says the fault lies; none when the kind says enough.
     """
 
     operations: str
@@ -43,7 +43,7 @@ class Rule:
         if not re.fullmatch(self.operations, operation) or problem["type"].rpartition("/")[2] not in self.kinds:
             return False
         blamed = {problem.get("field"), *(item["field"] for item in problem.get("errors", ()))} - {None}
-        return not self.fields or (bool(blamed) and blamed <= set(self.fields))
+        return not self.fields or (bool(blamed) and all(re.fullmatch("|".join(self.fields), name) for name in blamed))
 
 
 RULES = (
@@ -66,6 +66,11 @@ RULES = (
     Rule("PUT /surveys/.*/images.*", ("invalid-input",), ("Content-Digest",)),
     Rule("PUT /surveys/.*/images.*", ("digest-mismatch",)),
     Rule("POST /sites/import", ("bad-archive",)),
+    # Systems named once each, of what is there; a quaternion has the length 1.
+    Rule("POST /evaluations", ("invalid-input",), ("estimate_ids?", "reference_id")),
+    Rule("POST /evaluations/live/.*", ("invalid-input",), (r"body\.samples\.\d+\.orientation",)),
+    # Text in one of six formats, and times of poses that go forward.
+    Rule("POST /trajectories/import", ("unreadable-trajectory",)),
     # Only what an answer named before: the cursor of a page, the id of an event.
     Rule("GET .*", ("invalid-input",), ("cursor", "Last-Event-ID")),
     # Names and codes of this survey and this site; codes of the site's family; points that can carry a datum.
