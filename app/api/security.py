@@ -26,7 +26,8 @@ from app.storage.belonging import OWNED
 
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 # A snapshot is its own record: its trajectory says when, where and by which device. A row more would double its cost.
-NOT_AUDITED = ("/locate",)
+# So is a position that a running system sends.
+NOT_AUDITED = ("/locate", "/evaluations/live/{live_id}/samples")
 NAMES_SITE = ("site_id", *OWNED)
 
 SHOWS_KEY = KeyInHeader()
@@ -136,7 +137,7 @@ def _named(connection: HTTPConnection) -> dict[str, str]:
 
 def _is_audited(connection: HTTPConnection) -> bool:
     scope = connection.scope
-    return scope["type"] == "http" and scope["method"] not in SAFE_METHODS and scope["path"] not in NOT_AUDITED
+    return scope["type"] == "http" and scope["method"] not in SAFE_METHODS and scope["route"].path not in NOT_AUDITED
 
 
 async def _note_refusal(connection: HTTPConnection, principal: Principal) -> None:

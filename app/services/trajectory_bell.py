@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 
 class TrajectoryBell:
-    """One bell per trajectory, heard and rung on one event loop."""
+    """One bell per trajectory or live evaluation, heard and rung on one event loop."""
 
     def __init__(self) -> None:
         self._heard_by: dict[str, set[asyncio.Event]] = {}
@@ -19,14 +19,19 @@ class TrajectoryBell:
             rung.set()
 
     @contextmanager
-    def heard(self, trajectory_id: str) -> Iterator[asyncio.Event]:
-        """An event that is set at each ring; whoever waits for it clears it before looking."""
+    def heard(self, *trajectory_ids: str) -> Iterator[asyncio.Event]:
+        """An event that is set at each ring for one of these; whoever waits for it clears it before looking."""
         rung = asyncio.Event()
-        listeners = self._heard_by.setdefault(trajectory_id, set())
-        listeners.add(rung)
+        for trajectory_id in trajectory_ids:
+            self._heard_by.setdefault(trajectory_id, set()).add(rung)
         try:
             yield rung
         finally:
-            listeners.discard(rung)
-            if not listeners:
-                self._heard_by.pop(trajectory_id, None)
+            for trajectory_id in trajectory_ids:
+                self._forget(trajectory_id, rung)
+
+    def _forget(self, trajectory_id: str, rung: asyncio.Event) -> None:
+        listeners = self._heard_by[trajectory_id]
+        listeners.discard(rung)
+        if not listeners:
+            del self._heard_by[trajectory_id]

@@ -58,15 +58,18 @@ class ImportedTrajectories:
 
     def pieces(self, trajectory_id: str, times: TimeRange, after: Place | None = None) -> Iterator[ImportedPart]:
         """The poses of a time range after a place, piece by piece; pieces without such a pose are left out."""
-        query = select(ImportedPosesRow).where(ImportedPosesRow.trajectory_id == trajectory_id, *overlapping(times))
+        conditions = [ImportedPosesRow.trajectory_id == trajectory_id, *overlapping(times)]
         if after is not None:
-            query = query.where(ImportedPosesRow.last_s > after.captured_s)
-        query = query.order_by(ImportedPosesRow.ordinal).execution_options(yield_per=1)
-        for row in self._session.scalars(query):
+            conditions.append(ImportedPosesRow.last_s > after.captured_s)
+        query = select(ImportedPosesRow).where(*conditions).order_by(ImportedPosesRow.ordinal).limit(1)
+        row = self._session.scalars(query).first()
+        while row is not None:
             piece = _within(row, times, after)
             self._session.expunge(row)
             if len(piece.poses):
                 yield piece
+            # Asked anew for each row: whoever needs no more leaves no cursor open.
+            row = self._session.scalars(query.where(ImportedPosesRow.ordinal > row.ordinal)).first()
 
     def part(self, trajectory_id: str, times: TimeRange, after: Place | None, limit: int) -> ImportedPart:
         """The first poses of a time range after a place, and where the next ones begin."""

@@ -11,14 +11,16 @@ import pytest
 from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
+from app.trajectories.robotics_formats import tum_text
 from tests.api.guarding import ADMIN_SECRET, Guarded
 from tests.api.serving import assert_problem, room_photos
 from tests.api.test_every_route_is_guarded import calls_of
 from tests.storage import examples
+from tests.trajectories.walks import walk
 
 SAFE = ("get", "head", "options")
-# Snapshots are recorded in their trajectory.
-NOT_AUDITED = {("post", "/locate")}
+# Snapshots are recorded in their trajectory, samples in their live evaluation.
+NOT_AUDITED = {("post", "/locate"), ("post", "/evaluations/live/{live_id}/samples")}
 
 
 def entries(guarded: Guarded, **query: str) -> list[dict[str, Any]]:
@@ -61,6 +63,17 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
             snapshot = examples.snapshot(site, examples.located())
             return TrajectoryRepository(session).record(ids["trajectory_id"], snapshot).pose_id
 
+    def walked() -> httpx.Response:
+        text = "".join(tum_text([walk(5.0)]))
+        return client.post("/trajectories/import", params={"site_id": ids["site_id"]}, content=text)
+
+    def evaluated() -> httpx.Response:
+        both = [walked().json()["trajectory_id"] for _ in range(2)]
+        return client.post("/evaluations", json={"reference_id": both[0], "estimate_id": both[1]})
+
+    def opened_live() -> httpx.Response:
+        return client.post("/evaluations/live", json={"reference_id": ids["trajectory_id"]})
+
     return {
         ("post", "/sites"): lambda: keep("site_id", client.post("/sites", json={"name": "hall"})),
         ("patch", "/sites/{site_id}"): lambda: client.patch(f"/sites/{ids['site_id']}", json={"name": "aisle"}),
@@ -89,6 +102,12 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/trajectories/{trajectory_id}/close"): lambda: client.post(
             f"/trajectories/{ids['trajectory_id']}/close"
         ),
+        ("post", "/trajectories/import"): walked,
+        ("post", "/evaluations"): lambda: keep("evaluation_id", evaluated()),
+        ("delete", "/evaluations/{evaluation_id}"): lambda: client.delete(f"/evaluations/{ids['evaluation_id']}"),
+        ("post", "/evaluations/live"): lambda: keep("live_id", opened_live()),
+        ("post", "/evaluations/live/{live_id}/close"): lambda: client.post(f"/evaluations/live/{ids['live_id']}/close"),
+        ("delete", "/evaluations/live/{live_id}"): lambda: client.delete(f"/evaluations/live/{ids['live_id']}"),
         ("delete", "/sites/{site_id}/snapshots"): lambda: client.delete(
             f"/sites/{ids['site_id']}/snapshots", params={"device_id": "phone-1"}
         ),

@@ -10,21 +10,34 @@ import httpx
 import pytest
 
 from app.api.security import NAMES_SITE
+from app.services.live_evaluation import open_live
 from app.services.principal import SCOPES
+from app.storage.live_records import LiveOptions
 from app.storage.models import SnapshotRow
 from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
+from app.trajectories.robotics_formats import tum_text
 from tests.api.guarding import Guarded
 from tests.api.serving import assert_problem, room_photos
+from tests.api.test_trajectory_import import imported
 from tests.storage import examples
+from tests.trajectories.walks import walk
 
 FOR_EVERYBODY = {"/healthz", "/readyz", "/time", "/session"}
 # What every key may read, of its sites: no scope is the wrong one.
 READ_BY_ALL = {"/sites", "/sites/{site_id}", "/sites/{site_id}/targets", "/sites/{site_id}/maps", "/cameras"}
-FILTERED = {"/sites", "/cameras", "/trajectories", "/jobs"}
-# Where the site stands in the body.
-NAMED_IN_BODY: dict[tuple[str, str], str] = {("post", "/trajectories"): "json", ("post", "/locate"): "data"}
+FILTERED = {"/sites", "/cameras", "/trajectories", "/jobs", "/evaluations"}
+# Where a site, or a trajectory of one, stands in the body.
+NAMED_IN_BODY: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
+    ("post", "/trajectories"): ("json", ("site_id",)),
+    ("post", "/trajectories/import"): ("data", ("site_id",)),
+    ("post", "/evaluations"): ("json", ("reference_id", "estimate_id")),
+    ("post", "/evaluations/live"): ("json", ("reference_id",)),
+    ("post", "/locate"): ("data", ("site_id",)),
+}
+# Calls that take a file beside the fields of their form.
+FILES = {"/locate": "image", "/trajectories/import": "file"}
 
 
 @dataclass(frozen=True)
@@ -86,7 +99,15 @@ def furnished(guarded: Guarded) -> Furnished:
         trajectory = TrajectoryRepository(session).default(site_id, "phone")
         snapshot = examples.snapshot(SiteRepository(session).get(site_id), examples.located())
         pose = TrajectoryRepository(session).record(trajectory.trajectory_id, snapshot)
+        live = open_live(session, trajectory.trajectory_id, "uwb", LiveOptions())
+    estimate_id = imported(guarded, "".join(tum_text([walk(5.0)])), site_id=site_id)["trajectory_id"]
+    truth_id = imported(guarded, "".join(tum_text([walk(5.0)])), site_id=site_id)["trajectory_id"]
+    evaluation = guarded.client.post("/evaluations", json={"reference_id": truth_id, "estimate_id": estimate_id})
     ids = {
+        "evaluation_id": evaluation.json()["evaluation_id"],
+        "live_id": live.live_id,
+        "reference_id": truth_id,
+        "estimate_id": estimate_id,
         "site_id": site_id,
         "survey_id": survey_id,
         "job_id": job.json()["job_id"],
@@ -159,9 +180,10 @@ def send_naming_site(client: httpx.Client, call: Call, furnished: Furnished) -> 
     """The call, with the furnished site where a body names one."""
     if call.key not in NAMED_IN_BODY:
         return furnished.send(client, call)
-    content: dict[str, Any] = {NAMED_IN_BODY[call.key]: {"site_id": furnished.ids["site_id"]}}
-    if call.path == "/locate":
-        content["files"] = {"image": b"never looked at"}
+    place, names = NAMED_IN_BODY[call.key]
+    content: dict[str, Any] = {place: {name: furnished.ids[name] for name in names}}
+    if call.path in FILES:
+        content["files"] = {FILES[call.path]: b"never looked at"}
     return furnished.send(client, call, **content)
 
 

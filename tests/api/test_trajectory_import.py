@@ -63,7 +63,7 @@ def test_what_was_found_out_is_said(served: Served, site_id: str) -> None:
     assert (plain["poses"], plain["format"]) == (20, "csv")
 
 
-def test_an_imported_trajectory_is_found_and_read_as_a_located_one(served: Served, site_id: str, tum_id: str) -> None:
+def test_an_imported_trajectory_is_found_and_read_as_a_located_one(served: Served, tum_id: str) -> None:
     path = f"/trajectories/{tum_id}"
     first = served.client.get(path, params={"limit": 60}).json()
     assert (first["pose_count"], first["failure_count"], len(first["poses"])) == (100, 0, 60)
@@ -221,8 +221,8 @@ def leftovers(served: Served) -> list[Path]:
 @pytest.mark.parametrize(
     ("send", "status", "kind"),
     [
-        (lambda client, site: client.post("/trajectories/import", content="1"), 422, "invalid-input"),
-        (lambda client, site: client.post("/trajectories/import?site_id=nowhere", content="1"), 404, "not-found"),
+        (lambda client, _site: client.post("/trajectories/import", content="1"), 422, "invalid-input"),
+        (lambda client, _site: client.post("/trajectories/import?site_id=nowhere", content="1"), 404, "not-found"),
         (
             lambda client, site: client.post("/trajectories/import", data={"site_id": site}, files={"other": "1"}),
             422,
@@ -247,7 +247,7 @@ def test_a_wrong_request_says_what_is_wrong(
     assert leftovers(served) == []
 
 
-def test_latitudes_need_an_anchor(served: Served, site_id: str, tum_id: str) -> None:
+def test_latitudes_need_an_anchor(served: Served, tum_id: str) -> None:
     query = {"site_id": served.new_site()}
     answer = served.client.post("/trajectories/import", params=query, content=exported(served, tum_id, "geojson"))
     assert "geo-anchor" in assert_problem(answer, 409, "conflict")["detail"]

@@ -109,7 +109,7 @@ class LiveSampleRow(Base):
     time_s: Mapped[Number]
     x_m: Mapped[Number]
     y_m: Mapped[Number]
-    z_m: Mapped[Number]
+    z_m: Mapped[Number | None]  # null for a system that tells the plan alone; the error has none then either
     floor: Mapped[int | None]
     orientation_xyzw: Mapped[JsonList | None] = mapped_column(JSON(none_as_null=True))
     state: Mapped[Short]  # waiting, paired or missed
