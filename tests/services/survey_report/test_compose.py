@@ -12,8 +12,9 @@ from app.photogrammetry.survey import SurveyResult
 from app.services.reporting.document import Document, Facts, Findings, KeyFigures, Signatures
 from app.services.survey_report.compose import compose
 from app.services.survey_report.material import ReportMaterial
+from tests.services.reporting.names import HOSTILE
 from tests.services.reporting.texts import cells, section_of, table_of, texts_of
-from tests.services.survey_report.scene import HOSTILE, ROOM, STATIONS
+from tests.services.survey_report.scene import ROOM, STATIONS
 
 
 def number(text: str) -> float:

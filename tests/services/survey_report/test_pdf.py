@@ -11,8 +11,8 @@ from pypdf import PdfReader
 from app.services.reporting.document import Document
 from app.services.reporting.pdf.file import pdf_of
 from app.services.reporting.pdf.fonts import written
+from tests.services.reporting.names import HOSTILE
 from tests.services.reporting.texts import texts_of
-from tests.services.survey_report.scene import HOSTILE
 
 A4 = (595, 842)
 

@@ -60,9 +60,10 @@ def boxes(material: ReportMaterial) -> Figure:
     shapes = _ground(axes)
     for row, top in zip(rows, tops, strict=True):
         shapes += _box(axes, row, TOP + top + ROW / 2.0)
+    by = "zone and system" if material.zones else "system"
     caption = (
-        f"Errors in space by {'zone and ' if material.zones else ''}system (pairs): box from the first to the third quartile, heavy line at the "
-        f"median, diamond at the mean, whiskers from 5 to 95 %, points beyond them.{reach.said_of(SPATIAL.words)}"
+        f"Errors in space by {by} (pairs): box from the first to the third quartile, heavy line at the median, diamond "
+        f"at the mean, whiskers from 5 to 95 %, points beyond them.{reach.said_of(SPATIAL.words)}"
     )
     drawing = Drawing(WIDTH, TOP + float(size[1]) + FOOT, tuple(shapes))
     return Figure(drawing, caption, f"{len(rows)} boxes: {'; '.join(row.label for row in rows)}.")

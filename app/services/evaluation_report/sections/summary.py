@@ -16,6 +16,7 @@ from app.services.reporting.document import (
     Table,
 )
 from app.services.reporting.numbers import count, listed, moment
+from app.services.reporting.software import this_software
 from app.trajectories.evaluation import Evaluation
 from app.trajectories.metrics.distinguishable import Verdict
 
@@ -88,6 +89,7 @@ def _facts(material: ReportMaterial) -> Facts:
             ("System" if len(systems) == 1 else "Systems", listed(systems, MOST_NAMES)),
             ("First and last pair", f"{moment(first_s)}, {moment(last_s)}"),
             ("Errors", "estimate minus reference, in the site frame"),
+            ("Software", this_software()),
         )
     )
 

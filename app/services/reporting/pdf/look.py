@@ -25,7 +25,7 @@ INKS: dict[Ink, Color] = {
     "series4": HexColor("#8c2a6e"),
     "series5": HexColor("#8b8f96"),
     "series6": HexColor("#101418"),
-    "size1": HexColor("#e38a17"),
+    "size1": HexColor("#d47d0e"),
     "size2": HexColor("#d2502c"),
     "size3": HexColor("#a12a62"),
     "size4": HexColor("#661a6b"),
