@@ -71,6 +71,7 @@ RULES = (
     Rule("POST /evaluations/live/.*", ("invalid-input",), (r"body\.samples\.\d+\.orientation",)),
     # Text in one of six formats, and times of poses that go forward.
     Rule("POST /trajectories/import", ("unreadable-trajectory",)),
+    Rule("POST /trajectories/import", ("invalid-input",), ("times", "query.site_id")),  # as with snapshots
     # Only what an answer named before: the cursor of a page, the id of an event.
     Rule("GET .*", ("invalid-input",), ("cursor", "Last-Event-ID")),
     # Names and codes of this survey and this site; codes of the site's family; points that can carry a datum.
