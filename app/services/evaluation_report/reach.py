@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 USUAL = 0.95  # share of the errors of each system that an axis shows in any case
 FAR = 4.0  # the greatest error is shown up to so many times the usual ones
-BEYOND_USUAL = 2.0  # how far an axis goes that does not show it
+BEYOND_USUAL = 1.5  # how far an axis goes that does not show it
 ROOM = 1.04
 LEAST_M = 1e-3  # of an axis, also where there is no error at all
 

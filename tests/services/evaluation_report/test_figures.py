@@ -147,6 +147,12 @@ def test_boxes_stand_at_the_quartiles(uwb: Evaluation, single: ReportMaterial) -
     assert {f"{name} ({count})" for name, count in zip(names, counts, strict=True)} <= set(labels(figure))
 
 
+def test_an_error_beyond_the_axis_is_counted_once(material: ReportMaterial) -> None:
+    figure = boxes(material)
+    greatest_m = material.evaluations["ARKit"].accuracy.spatial.greatest
+    assert f" 3 of the errors in space lie beyond the axis, the greatest at {greatest_m:.4f} m." in figure.caption
+
+
 def test_bars_of_the_histogram_hold_all_pairs(uwb: Evaluation) -> None:
     figure = histogram(uwb, "series1")
     heights = np.array([np.ptp(path.points[:, 1]) for path in paths(figure, "series1")])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +10,7 @@ import numpy.typing as npt
 from app.services.evaluation_report.figures.measures import SPATIAL
 from app.services.evaluation_report.look import FRAME, WIDTH, pens, short
 from app.services.evaluation_report.material import ReportMaterial
-from app.services.evaluation_report.reach import reach_of
+from app.services.evaluation_report.reach import Reach, reach_of
 from app.services.evaluation_report.thinning import distinct_rows
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ellipse, Ink, Label, Path, Pen, Shape, line, rectangle
@@ -52,7 +52,7 @@ class _Row:
 def boxes(material: ReportMaterial) -> Figure:
     """Errors in space by zone and system."""
     rows = _rows(material)
-    reach = reach_of([row.sizes_m for row in rows])
+    reach = _reach(rows)
     left = max(LEAST_LEFT, NAME_GAP + LETTER_WIDTH * NAME_SIZE * max(len(row.label) for row in rows))
     tops = _tops(rows)
     size = np.array([WIDTH - left - RIGHT, tops[-1] + ROW])
@@ -79,6 +79,13 @@ def _rows(material: ReportMaterial) -> list[_Row]:
         for zone, inside in rows_by_zone(evaluation.pairs.reference.positions_m, material.zones).items():
             rows.setdefault(zone, []).append(_Row(zone, name, pen.ink, sizes_m[inside]))
     return [row for zone in rows.values() for row in zone]
+
+
+def _reach(rows: list[_Row]) -> Reach:
+    """The axis for all boxes; an error that is in a zone as well is counted once."""
+    reach = reach_of([row.sizes_m for row in rows])
+    beyond = sum(int((row.sizes_m > reach.end_m).sum()) for row in rows if row.zone == EVERYWHERE)
+    return replace(reach, beyond=beyond)
 
 
 def _tops(rows: list[_Row]) -> list[float]:

@@ -29,7 +29,7 @@ BELOW_KEY = 8.0  # of the last line of the key nothing stands below the baseline
 MOST_POINTS = 1001  # of a curve: every 0.1 %
 LINES = (0.5, 0.75, 0.95)
 LINE = Pen("muted", 0.6, dash=(2.0, 2.0))
-LEAST_STEP, UP_STEP = 80.0, 25.0  # points between numbers across, twice as many at most; percent
+LEAST_STEP, UP_STEP = 55.0, 25.0  # points between numbers across, twice as many at most; percent
 MARK_RADIUS = 2.2
 TITLE_LEFT = 32.0
 
