@@ -27,6 +27,7 @@ from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
 from app.services.site_transfer import SiteTransfers, TransferLimits
 from app.services.site_transfer_import import UNPACKED, ImportLimits
+from app.services.smoothing import Smoother
 from app.services.snapshot_keeper import SnapshotKeeper
 from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget, StorageLimits
@@ -81,6 +82,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 locator=locator,
                 bell=bell,
                 evaluator=Evaluator(locating, settings.evaluate_timeout_s),
+                smoother=Smoother(database, locating, settings.evaluate_timeout_s),
                 importer=TrajectoryImporter(locating, settings.evaluate_timeout_s, settings.data_dir),
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 readiness=Readiness(

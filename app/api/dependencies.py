@@ -18,6 +18,7 @@ from app.services.readiness import Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
 from app.services.site_transfer import SiteTransfers
+from app.services.smoothing import Smoother
 from app.services.snapshot_keeper import SnapshotKeeper
 from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget
@@ -47,6 +48,7 @@ class Services:
     bell: TrajectoryBell
     importer: TrajectoryImporter
     evaluator: Evaluator
+    smoother: Smoother
     readiness: Readiness
     gatekeeper: Gatekeeper
     sessions: BrowserSessions

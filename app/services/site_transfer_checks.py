@@ -19,6 +19,7 @@ from app.geometry.camera import CameraIdentity, CameraSource
 from app.geometry.target_map import TargetMap
 from app.services.surveys import checked_filename
 from app.storage.archive_format import BadArchive
+from app.storage.archive_site_imported import check_imported
 from app.storage.archive_site_photos import named_photos
 from app.storage.archive_site_totals import check_totals, snapshots_of
 from app.storage.cameras import CameraRepository
@@ -63,6 +64,8 @@ def check_site(session: Session) -> Site:
         for snapshot in snapshots_of(session):
             _check_outcome(snapshot.outcome)
             _strictly(SEEN, asdict(snapshot.seen))
+    with _told("imported trajectories"):
+        check_imported(session)
     return site
 
 

@@ -22,6 +22,10 @@ def _of_maps(name: str) -> Rows:
     return lambda tables, site_id: tables.tables[name].columns["map_id"].in_(_ids(tables, "target_maps", site_id))
 
 
+def _imported_poses(tables: MetaData, site_id: str) -> ColumnElement[bool]:
+    return tables.tables["imported_poses"].columns["trajectory_id"].in_(_ids(tables, "trajectories", site_id))
+
+
 def _photographs(tables: MetaData, site_id: str) -> ColumnElement[bool]:
     return tables.tables["photographs"].columns["survey_id"].in_(_ids(tables, "surveys", site_id))
 
@@ -36,8 +40,8 @@ def _ids(tables: MetaData, name: str, site_id: str) -> Select[tuple[str]]:
     return select(table.columns["id"]).where(table.columns["site_id"] == site_id)
 
 
-# Left out: jobs, which are an installation's business, and kept pictures of snapshots, whose removal is promised where
-# they were taken.
+# Left out: jobs, which are an installation's business; kept pictures of snapshots, whose removal is promised where they
+# were taken; evaluations, which are made anew from the trajectories.
 SITE_ROWS: dict[str, Rows] = {
     "sites": _of_site("sites", "id"),
     "control_points": _of_site("control_points"),
@@ -50,6 +54,7 @@ SITE_ROWS: dict[str, Rows] = {
     "cameras": _of_site("cameras"),
     "trajectories": _of_site("trajectories"),
     "snapshots": _of_site("snapshots"),
+    "imported_poses": _imported_poses,
 }
 
 

@@ -51,7 +51,7 @@ class ImportedTrajectories:
         self._session.flush()
         for first, piece in pieces_of(new.poses):
             place = {"trajectory_id": row.id, "ordinal": first + 1}
-            self._session.add(ImportedPosesRow(**place, **_bounds(piece), **pose_columns(piece)))
+            self._session.add(ImportedPosesRow(**place, **bounds_of(piece), **pose_columns(piece)))
             self._session.flush()
             self._session.expunge_all()  # a million poses shall not stay with the session
         return stored_trajectory(row)
@@ -93,7 +93,8 @@ def overlapping(times: TimeRange) -> list[ColumnElement[bool]]:
     return conditions
 
 
-def _bounds(piece: Trajectory) -> dict[str, Any]:
+def bounds_of(piece: Trajectory) -> dict[str, Any]:
+    """What a row tells of its poses, for whoever looks for some."""
     sigmas = piece.sigmas
     least_m, greatest_m = piece.positions_m.min(axis=0), piece.positions_m.max(axis=0)
     return {

@@ -14,8 +14,13 @@ from sqlalchemy import select, update
 
 from app.geometry.control import ControlPoint
 from app.storage.archive_schema import current_revision, kept_tables, tables_at
-from app.storage.database import Database
+from app.storage.database import Database, Session
+from app.storage.evaluation_records import EvaluatedSystem, NewEvaluation
+from app.storage.evaluations import EvaluationRepository
+from app.storage.imported_trajectories import ImportedTrajectories, NewImport
 from app.storage.jobs import JobRepository
+from app.storage.live_evaluations import LiveEvaluationRepository
+from app.storage.live_records import LiveOptions, Sample
 from app.storage.models import JobRow
 from app.storage.photo_store import PhotoStore, open_photo_store
 from app.storage.records import GeoAnchor
@@ -23,7 +28,12 @@ from app.storage.sites import SiteRepository
 from app.storage.surveys import DetectionKey, DetectionRepository, SurveyRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
+from app.storage.trajectory_parts import FileSource
+from app.trajectories.evaluation import EvaluationOptions, evaluate
+from app.trajectories.evaluation_options_record import record_of_options
+from app.trajectories.evaluation_record import record_of_evaluation
 from tests.storage.examples import REFUSED, detection, located, photo, publication, snapshot
+from tests.trajectories.walks import START_S, noisy, walk
 
 CODES = (389, 694, 889)  # of the site's family
 
@@ -79,7 +89,24 @@ def fill(database: Database, folder: Path) -> Scene:
         default = trajectories.default(site.site_id, "phone-1").trajectory_id
         for outcome in (located(), REFUSED, located()):
             trajectories.record(default, snapshot(site, outcome))
+        _compare(session, site.site_id, default)
     return Scene(database, photos, site.site_id, survey_id, under_way)
+
+
+def _compare(session: Session, site_id: str, reference_id: str) -> None:
+    """A trajectory that came as a file, an evaluation of it, and a live one with a sample."""
+    source = FileSource("tum", "s", "the stamps count s since 1970", True, False, False)
+    poses = walk(5.0)
+    imported = ImportedTrajectories(session).add(NewImport(site_id, "uwb", "walk", source, poses))
+    options = EvaluationOptions()
+    evaluation = evaluate(poses, noisy(poses, 0.1), options)
+    system = EvaluatedSystem(imported.trajectory_id, "walk", record_of_evaluation(evaluation))
+    new = NewEvaluation(
+        site_id, reference_id, "truth", "walk", record_of_options(options), [], (system,), (evaluation.pairs,)
+    )
+    EvaluationRepository(session).add(new)
+    live = LiveEvaluationRepository(session).add(site_id, reference_id, "uwb", LiveOptions())
+    LiveEvaluationRepository(session).add_samples(live.live_id, [Sample(START_S, 1.0, 2.0)])
 
 
 def rows_of(database: Database) -> dict[str, list[tuple[Any, ...]]]:

@@ -239,7 +239,7 @@ def test_postgres_finds_a_reference_to_nothing_as_well(backup: Path, postgresql:
     url = postgresql.empty()
     receiver = Database(url)
     target = Target(receiver, open_photo_store(str(tmp_path / "restored")))
-    with pytest.raises(BadArchive, match="snapshots cannot take"):
+    with pytest.raises(BadArchive, match="cannot take"):
         restore(changed(backup, dropped("trajectories")), target, quiet)
     with receiver.reading() as session:
         assert revision_of(session.connection()) is None

@@ -41,7 +41,10 @@ from tests.databases import Databases
 from tests.services.backup_scene import CODES, PHOTOS, Scene, fill, jpeg, rows_of, sha256_of
 from tests.storage.examples import detection, located, photo, snapshot
 
-NOT_MOVED = ("jobs", "api_keys", "audit", "kept_snapshots")
+NOT_MOVED = (
+    *("jobs", "api_keys", "audit", "kept_snapshots"),
+    *("evaluations", "evaluated_systems", "evaluated_poses", "live_evaluations", "live_samples"),
+)
 Change = Callable[[str, list[list[Any]]], list[list[Any]]]
 
 
@@ -328,6 +331,15 @@ UNSOUND: list[tuple[str, str, Any]] = [
     ("snapshots", "seen", {**SEEN, **FIT, "targets": [{"code": "389", "corrected": 0, "rms_px": 1.0, "used": True}]}),
     ("snapshots", "seen", {**SEEN, **FIT, "sigma0": "one"}),
     ("snapshots", "seen", {**SEEN, **FIT, "timing_ms": [[1, 2, 3]]}),
+    ("trajectories", "imported_count", 3),
+    ("trajectories", "source", {"format": "tum"}),
+    ("imported_poses", "trajectory_id", new_id()),
+    ("imported_poses", "ordinal", 2),
+    ("imported_poses", "pose_count", 49),
+    ("imported_poses", "greatest_x_m", 99.0),
+    ("imported_poses", "times_s", array(*[1.0] * 50)),
+    ("imported_poses", "orientations_xyzw", None),
+    ("imported_poses", "orientations_xyzw", array(*[2.0] * 200)),
 ]
 
 

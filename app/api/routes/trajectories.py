@@ -11,6 +11,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from app.api.dependencies import Paging, PathId, ReadSession, Running, WriteSession
 from app.api.problems import problems
+from app.api.schemas.smoothing import SmoothedAnswer
 from app.api.schemas.trajectories import (
     FailureAnswer,
     NewTrajectoryBody,
@@ -21,6 +22,7 @@ from app.api.schemas.trajectories import (
     pose_answers,
 )
 from app.api.security import Analysing, Recording, needs
+from app.api.smoothing_query import SmoothingWished
 from app.api.trajectory_queries import Part, Stream, Wanted
 from app.services.trajectories import open_trajectory, trajectory_page
 from app.services.trajectory_events import Arrivals, watch_trajectory
@@ -88,6 +90,24 @@ def get_trajectory(
         return TrajectoryPageAnswer.of_page(trajectory_page(session, wanted.trajectory_id, wanted.times, wanted.page))
     text = trajectory_text(services.database, wanted.trajectory_id, format, wanted.times)
     return StreamingResponse(text, media_type=MEDIA_TYPES[format])
+
+
+@router.get(
+    "/trajectories/{trajectory_id}/smoothed",
+    dependencies=[needs("analyse")],
+    response_model=SmoothedAnswer,
+    responses={200: {"content": TEXT_FORMATS}, **problems(404, 409, 422, 503, 504)},
+)
+async def get_smoothed(
+    wish: SmoothingWished,
+    services: Running,
+    format: Annotated[Format, Query()] = "json",  # noqa: A002 - the query's name
+) -> Any:
+    """The trajectory between its snapshots, with the uncertainty of not having looked; gaps stay gaps."""
+    smoothed = await services.smoother.smooth(wish)
+    if format == "json":
+        return SmoothedAnswer.of(smoothed)
+    return StreamingResponse(services.smoother.text(smoothed, format), media_type=MEDIA_TYPES[format])
 
 
 @router.get(
