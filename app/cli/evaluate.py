@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, positive
+from app.cli.evaluation_file import check_kind, titled, write_evaluation_file
 from app.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bands-m", type=positive, nargs="+", default=[], help="count errors along each axis below, between and above"
     )
+    parser.add_argument("--report", type=Path, metavar="FILE", help="write a report too: .html, .pdf, .zip or .json")
     add_json(parser)
 
 
@@ -63,12 +65,16 @@ def run(arguments: argparse.Namespace) -> int:
     from app.trajectories.comparison import compare
     from app.trajectories.evaluation import evaluate
 
+    if arguments.report is not None:
+        check_kind(arguments.report)
     options = _options(arguments)
     reference = _read(arguments.reference, arguments)
     evaluations: dict[str, Evaluation] = {
         name: evaluate(reference, _read(path, arguments), options) for name, path in _named(arguments.estimate).items()
     }
     differences = compare(evaluations, options.association.max_gap_s, options.bootstrap)
+    if arguments.report is not None:
+        _write_report(arguments, evaluations, differences)
     if arguments.json:
         print(json.dumps(_record(evaluations, differences, arguments.bands_m)))
         return 0
@@ -76,6 +82,17 @@ def run(arguments: argparse.Namespace) -> int:
 
     print_evaluations(evaluations, differences, arguments.bands_m)
     return 0
+
+
+def _write_report(
+    arguments: argparse.Namespace, evaluations: dict[str, Evaluation], differences: tuple[Any, ...]
+) -> None:
+    from app.services.evaluation_report.material import ReportMaterial
+
+    name = arguments.reference.stem
+    material = ReportMaterial(titled(name, tuple(evaluations)), name, evaluations, differences)
+    record = _record(evaluations, differences, arguments.bands_m)
+    write_evaluation_file(arguments.report, material, record)
 
 
 def _named(paths: list[Path]) -> dict[str, Path]:

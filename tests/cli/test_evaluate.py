@@ -98,3 +98,22 @@ def test_the_choices_are_the_librarys() -> None:
 def test_only_comments_are_no_format() -> None:
     with pytest.raises(UnreadableTrajectory, match="only comments"):
         format_of(b"# nothing\n")
+
+
+@pytest.mark.parametrize(
+    ("kind", "begin"), [("html", b"<!DOCTYPE html>"), ("pdf", b"%PDF"), ("zip", b"PK"), ("json", b"{")]
+)
+def test_a_report_is_what_its_name_ends_with(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, begin: bytes
+) -> None:
+    path = tmp_path / f"report.{kind}"
+    assert main(["evaluate", *paper("huawei-p10-1"), "--report", str(path)]) == 0
+    assert path.read_bytes().lower().startswith(begin.lower())
+    assert "0.0918 m" in capsys.readouterr().out
+
+
+def test_a_report_of_no_known_kind_is_refused_before_any_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["evaluate", "nowhere.csv", "nowhere-else.csv", "--report", str(tmp_path / "report.doc")]) != 0
+    assert ".html" in capsys.readouterr().err
