@@ -66,6 +66,14 @@ RULES = (
     Rule("PUT /surveys/.*/images.*", ("invalid-input",), ("Content-Digest",)),
     Rule("PUT /surveys/.*/images.*", ("digest-mismatch",)),
     Rule("POST /sites/import", ("bad-archive",)),
+    # Any bytes fit a file; only a reader knows a trajectory. Its fields are a form's, or a raw body's in the query.
+    Rule("POST /trajectories/import", ("unreadable-trajectory",)),
+    Rule("POST /trajectories/import", ("invalid-input",), ("query.site_id", "times", "body.time_unit", "body.format")),
+    # One system at least, none twice, none of them the reference; times that increase; one of two parameters.
+    Rule("POST /evaluations", ("invalid-input",), ("estimate_ids",)),
+    Rule("GET /trajectories/.*/smoothed", ("invalid-input",), ("rate_hz", "times", "from", "to")),
+    # A quaternion of unit length.
+    Rule("POST /evaluations/live/.*/samples", ("invalid-input",)),
     # Systems named once each, of what is there; a quaternion has the length 1.
     Rule("POST /evaluations", ("invalid-input",), ("estimate_ids?", "reference_id")),
     Rule("POST /evaluations/live/.*", ("invalid-input",), (r"body\.samples\.\d+\.orientation",)),
