@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Iterator
 
@@ -22,6 +23,17 @@ settings.load_profile("scattermark")
 def pytest_sessionstart() -> None:
     """Compile once: the services that tests start would each do it, and at the same time."""
     compile_first()
+
+
+@pytest.fixture(autouse=True)
+def logs_as_before() -> Iterator[None]:
+    """Commands set up how their process logs, onto a stream that is gone after their test."""
+    root = logging.getLogger()
+    before = root.handlers[:], root.level
+    yield
+    root.handlers[:] = before[0]
+    root.setLevel(before[1])
+    logging.captureWarnings(False)
 
 
 @pytest.fixture(scope="session")
