@@ -34,7 +34,7 @@ def walk(count: int, noise_m: float) -> Trajectory:
     t = np.arange(count) / RATE_HZ
     course_m = np.column_stack([4.0 * np.sin(0.31 * t), 2.0 * np.sin(0.62 * t), 1.5 + 0.2 * np.sin(0.17 * t)])
     noise = np.random.default_rng(1).normal(0.0, noise_m, course_m.shape)
-    return Trajectory(START_S + t, course_m + noise, Rotation.from_euler("z", 0.4 * t).as_quat(canonical=True))
+    return Trajectory(START_S + t, course_m + noise, Rotation.from_euler("z", 0.4 * t[:, None]).as_quat(canonical=True))
 
 
 def timed(name: str, work: Callable[[], str]) -> str:
