@@ -69,7 +69,7 @@ class OptionsBody(Body):
         Field(description="From the camera to the point that the system locates: right, down, forward."),
     ] = None
     floor_height_m: Annotated[Finite, Field(gt=0.1, le=100)] | None = None
-    zones: Annotated[list[ZoneBody], Field(max_length=MOST_ZONES, default_factory=list)]
+    zones: list[ZoneBody] = Field(default_factory=list, max_length=MOST_ZONES)
     bootstrap: BootstrapBody = BootstrapBody()
 
     def to_domain(self) -> EvaluationOptions:
@@ -91,7 +91,7 @@ class EvaluationBody(Body):
 
     reference_id: Id
     estimate_id: Id | None = None
-    estimate_ids: Annotated[list[Id], Field(max_length=MOST_SYSTEMS, default_factory=list)]
+    estimate_ids: list[Id] = Field(default_factory=list, max_length=MOST_SYSTEMS)
     title: Annotated[Text | None, Field(description="Of the report.")] = None
     options: OptionsBody = OptionsBody()
 
