@@ -16,8 +16,8 @@ import pytest
 CHECKOUT = Path(__file__).parents[1]
 # Used by name alone: a driver that a URL names.
 BY_NAME = {"psycopg"}
-# Brought and meant to be used by another package: starlette is fastapi's ground.
-BROUGHT = {"starlette": "fastapi"}
+# Brought and meant to be used by another package: starlette is the ground of fastapi, llvmlite that of numba.
+BROUGHT = {"starlette": "fastapi", "llvmlite": "numba"}
 # Declared for what other packages do with them: fastapi reads forms with one, uvicorn speaks WebSocket with the other.
 FOR_OTHERS = {"python-multipart", "websockets"}
 
