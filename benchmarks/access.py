@@ -3,8 +3,8 @@
     python -m benchmarks.access
 
 One thread, SQLite in a temporary folder. Each figure is the time of one call: the median and the 99th of a hundred.
-``limits`` is the package (``scattermark[bench]``) whose moving window in memory the rate limiter is compared with, asked
-as fast as possible and once in 20 ms: requests that come alone.
+``limits`` is the package (``scattermark[bench]``) whose moving window in memory the rate limiter is compared with,
+asked as fast as possible and once in 20 ms: requests that come alone.
 """
 
 from __future__ import annotations

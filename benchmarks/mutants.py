@@ -42,9 +42,9 @@ def mutants(pictures: Sequence[bytes], seed: int, count: int) -> Iterator[bytes]
     """So many malformed images; the same ones for the same seed."""
     random = np.random.default_rng(seed)
     for _ in range(count):
-        data = bytearray(pictures[random.integers(len(pictures))])
+        data = bytearray(pictures[int(random.integers(len(pictures)))])
         if random.random() < 1 / len(CHANGES):
-            data = _spliced(data, pictures[random.integers(len(pictures))], random)
+            data = _spliced(data, pictures[int(random.integers(len(pictures)))], random)
         for _change in range(random.integers(1, MOST_CHANGES + 1)):
             CHANGES[random.integers(len(CHANGES))](data, random)
         yield bytes(data)

@@ -59,7 +59,7 @@ class Patient:
 
     @property
     def now_s(self) -> float:
-        """This moment."""
+        """The moment by the clock that was given, UTC, seconds since 1970."""
         return self.clock()
 
 

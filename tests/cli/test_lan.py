@@ -56,7 +56,7 @@ def picture_of(lines: list[str]) -> np.ndarray:
 
 
 def read_code(picture: np.ndarray) -> str:
-    text, _, _ = cv2.QRCodeDetector().detectAndDecode(picture)
+    text, _, _ = cv2.QRCodeDetectorAruco().detectAndDecode(picture)  # the other one misses some codes
     return str(text)
 
 

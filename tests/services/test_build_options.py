@@ -35,15 +35,5 @@ def test_detections_are_kept_apart_by_all_that_changes_them() -> None:
 
 
 def test_the_published_method_cannot_be_asked_to_mend(database: Database) -> None:
-    with pytest.raises(InvalidInput, match="mends no misread dot"):
-        request_build(database, NobodyBuilds(), "no survey is looked up", BuildOptions(detector="paper"))
-
-
-class NobodyBuilds:
-    """A queue that is not to be woken."""
-
-    def wake(self) -> None:
-        raise AssertionError("a build was put in the queue")
-
-    def stop(self, job_id: str) -> None:
-        raise AssertionError(f"build {job_id} was stopped")
+    with database.writing() as session, pytest.raises(InvalidInput, match="mends no misread dot"):
+        request_build(session, "no survey is looked up", BuildOptions(detector="paper"))
