@@ -273,6 +273,8 @@ def setting(archive: bytes, table: str, column: str, value: Any) -> bytes:
     return changed(archive, change)
 
 
+NOBODYS = "01900000-0000-7000-8000-000000000000"  # an id of nothing; the same in every process that collects tests
+
 SEEN = {"targets": [], "rejected": [], "timing_ms": []}
 FIT = {"sigma0": 1.0, "redundancy": 3, "rms_residual_px": 0.1, "camera_source": "survey", "ambiguity_ratio": None}
 UNSOUND: list[tuple[str, str, Any]] = [
@@ -288,18 +290,18 @@ UNSOUND: list[tuple[str, str, Any]] = [
     ("sites", "geo_anchor", {"latitude_deg": "48", "longitude_deg": 11.0}),
     ("sites", "geo_anchor", {"latitude_deg": 480.0, "longitude_deg": 11.0}),
     ("sites", "geo_anchor", ["48", "11"]),
-    ("control_points", "site_id", new_id()),
+    ("control_points", "site_id", NOBODYS),
     ("control_points", "dot", "Z"),
     ("control_points", "code", 390),
     ("control_points", "sigma_m", -1.0),
-    ("surveys", "site_id", new_id()),
-    ("photographs", "survey_id", new_id()),
+    ("surveys", "site_id", NOBODYS),
+    ("photographs", "survey_id", NOBODYS),
     ("photographs", "name", "../../etc/passwd"),
     ("photographs", "sha256", "../" * 21 + "x"),
     ("photographs", "sha256", "0" * 64),
     ("detections", "sha256", "0" * 64),
     ("detections", "record", base64.b64encode(b"no arrays").decode()),
-    ("target_maps", "site_id", new_id()),
+    ("target_maps", "site_id", NOBODYS),
     ("target_maps", "version", 0),
     ("target_maps", "target_count", 99),
     ("target_maps", "base_version", 5),
@@ -308,7 +310,7 @@ UNSOUND: list[tuple[str, str, Any]] = [
     ("target_maps", "datum_origin", array(1.0)),
     ("target_maps", "datum_covariance", array(*range(49))),
     ("target_maps", "report", ["no", "object"]),
-    ("mapped_targets", "map_id", new_id()),
+    ("mapped_targets", "map_id", NOBODYS),
     ("mapped_targets", "code", 390),
     ("mapped_targets", "rotation", array(2.0, 0, 0, 0, 1, 0, 0, 0, 1)),
     ("mapped_targets", "rotation", array(1.0, 0, 0, 0, 1, 0, 0, 0, -1)),
@@ -324,16 +326,16 @@ UNSOUND: list[tuple[str, str, Any]] = [
     ("trajectories", "snapshot_count", 2),
     ("trajectories", "failures", {"too-few-dots": "many"}),
     ("trajectories", "first_s", -1.0),
-    ("snapshots", "trajectory_id", new_id()),
+    ("snapshots", "trajectory_id", NOBODYS),
     ("snapshots", "ordinal", 9),
-    ("snapshots", "site_id", new_id()),
+    ("snapshots", "site_id", NOBODYS),
     ("snapshots", "seen", {}),
     ("snapshots", "seen", {**SEEN, **FIT, "targets": [{"code": "389", "corrected": 0, "rms_px": 1.0, "used": True}]}),
     ("snapshots", "seen", {**SEEN, **FIT, "sigma0": "one"}),
     ("snapshots", "seen", {**SEEN, **FIT, "timing_ms": [[1, 2, 3]]}),
     ("trajectories", "imported_count", 3),
     ("trajectories", "source", {"format": "tum"}),
-    ("imported_poses", "trajectory_id", new_id()),
+    ("imported_poses", "trajectory_id", NOBODYS),
     ("imported_poses", "ordinal", 2),
     ("imported_poses", "pose_count", 49),
     ("imported_poses", "greatest_x_m", 99.0),
