@@ -11,6 +11,7 @@ from app.geometry.similarity import Similarity
 from app.trajectories.alignment import Alignment
 from app.trajectories.association import AssociationOptions, associate
 from app.trajectories.metrics.absolute_pose_error import absolute_pose_errors
+from app.trajectories.metrics.pose_errors import pose_errors_of
 from app.trajectories.metrics.relative_pose_error import Stretch, relative_pose_errors
 from app.trajectories.trajectory import Trajectory
 from tests.trajectories.walks import walk
@@ -60,3 +61,20 @@ def test_what_cannot_be_had_is_refused() -> None:
     for wrong in ({"delta": 0.0}, {"delta": 1.5, "unit": "frames"}):
         with pytest.raises(ValueError, match="delta"):
             Stretch(**wrong)  # type: ignore[arg-type]
+
+
+def test_an_evaluation_tells_them_in_few_numbers() -> None:
+    true = walk(20.0, 5.0)
+    drift = np.outer(true.times_s - true.times_s[0], [0.01, 0.0, 0.0])
+    pairs = associate(true, Trajectory(true.times_s, true.positions_m + drift, true.orientations_xyzw), EXACT)
+    found = pose_errors_of(pairs)
+    assert set(found.absolute) == {"trans", "rot_deg", "rot_rad", "full"}
+    assert found.absolute["trans"].greatest == pytest.approx(drift[-1, 0])
+    assert found.relative["seconds"]["trans"].mean == pytest.approx(0.01, rel=1e-3)
+    assert found.relative["frames"]["trans"].mean == pytest.approx(0.01 / 5, rel=1e-3)
+    assert found.relative["metres"]["rot_deg"].greatest < 1e-5
+    short = pose_errors_of(pairs.first(2))
+    assert set(short.relative) == {"frames"}
+    positions = Trajectory(true.times_s, true.positions_m)
+    alone = pose_errors_of(associate(true, positions, EXACT))
+    assert set(alone.absolute) == {"trans"} and alone.relative == {}
