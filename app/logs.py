@@ -88,6 +88,8 @@ def configure_logs(options: LogOptions, stream: TextIO | None = None) -> None:
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(logging.WARNING)
+    for name in TAKEN_OVER:
+        logging.getLogger(name).setLevel(logging.NOTSET)
     for name in SPOKEN_FOR:
         logging.getLogger(name).setLevel(options.level.upper())
     for name in TALKATIVE:

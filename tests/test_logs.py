@@ -69,6 +69,8 @@ def test_an_error_is_one_line_with_its_traceback(written: io.StringIO) -> None:
 
 @pytest.mark.parametrize("name", ["uvicorn.error", "dbos", "sqlalchemy.pool", "app.jobs.keeper"])
 def test_others_speak_through_the_same_line(written: io.StringIO, name: str) -> None:
+    logging.getLogger("uvicorn.error").setLevel("ERROR")  # as whoever configured uvicorn before may have left it
+    configure_logs(LogOptions("json"), written)
     logging.getLogger(name).warning("something is odd", extra={"color_message": "\x1b[31msomething is odd"})
     (line,) = lines(written)
     assert (line["event"], line["logger"]) == ("something is odd", name)
