@@ -9,13 +9,12 @@ from dataclasses import dataclass
 
 from app.errors import NotFound
 from app.services.live_evaluation import present_state
-from app.services.trajectory_bell import TrajectoryBell
+from app.services.trajectory_bell import TrajectoryBell, rung_or_late
 from app.storage.database import Database
 from app.storage.live_evaluations import LiveEvaluationRepository
 from app.storage.live_records import LiveEvaluation, LivePair
 from app.trajectories.metrics.running import ErrorSoFar, RunningErrors
 
-WATCH_INTERVAL_S = 0.25  # how late what another process adds may be seen; the bell tells of this one's at once
 PAIRS_AT_A_TIME = 500  # of a backlog: a read of a few milliseconds
 
 
@@ -51,7 +50,7 @@ async def watch_live(
             if live.closed_s is not None and not live.waiting_count:
                 yield LiveNews(live, number, None, so_far)
                 return
-            await _wait(rung)
+            await rung_or_late(rung)
 
 
 def error_so_far(database: Database, live_id: str) -> tuple[LiveEvaluation, ErrorSoFar | None]:
@@ -82,11 +81,3 @@ def _look(database: Database, live_id: str, after: int) -> tuple[LiveEvaluation,
     live = present_state(database, live_id)
     with database.reading() as session:
         return live, LiveEvaluationRepository(session).pairs(live_id, after, PAIRS_AT_A_TIME)
-
-
-async def _wait(rung: asyncio.Event) -> None:
-    try:
-        async with asyncio.timeout(WATCH_INTERVAL_S):
-            await rung.wait()
-    except TimeoutError:
-        return  # time to look for what another process added

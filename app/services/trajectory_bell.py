@@ -6,6 +6,8 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+WATCH_INTERVAL_S = 0.25  # how late what another process adds may be seen; the bell tells of this one's at once
+
 
 class TrajectoryBell:
     """One bell per trajectory or live evaluation, heard and rung on one event loop."""
@@ -35,3 +37,12 @@ class TrajectoryBell:
         listeners.discard(rung)
         if not listeners:
             del self._heard_by[trajectory_id]
+
+
+async def rung_or_late(rung: asyncio.Event) -> None:
+    """Wait for the bell, or until it is time to look for what another process added."""
+    try:
+        async with asyncio.timeout(WATCH_INTERVAL_S):
+            await rung.wait()
+    except TimeoutError:
+        return

@@ -7,13 +7,12 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass
 
 from app.errors import InvalidInput, NotFound
-from app.services.trajectory_bell import TrajectoryBell
+from app.services.trajectory_bell import TrajectoryBell, rung_or_late
 from app.storage.database import Database
 from app.storage.trajectories import TrajectoryRepository
 from app.storage.trajectory_parts import StoredTrajectory, TrajectoryPart
 from app.storage.trajectory_queries import TrajectoryQueries
 
-WATCH_INTERVAL_S = 0.25  # how late what another process adds may be seen; the bell tells of this one's at once
 SNAPSHOTS_AT_A_TIME = 200  # of a backlog: a read of a few milliseconds
 GREATEST_DIGITS = 10  # of a number of snapshots
 
@@ -80,7 +79,7 @@ async def watch_trajectory(
             if found.ended:
                 return
             if not found.behind:
-                await _wait(rung)
+                await rung_or_late(rung)
             after = found.ordinal
 
 
@@ -91,11 +90,3 @@ def _look(database: Database, trajectory_id: str, after: int) -> Arrivals:
         part = TrajectoryQueries(session).arrivals(trajectory_id, after, SNAPSHOTS_AT_A_TIME)
     # Not counted from what came: some may have been removed.
     return Arrivals(trajectory, part, min(after + SNAPSHOTS_AT_A_TIME, trajectory.snapshot_count))
-
-
-async def _wait(rung: asyncio.Event) -> None:
-    try:
-        async with asyncio.timeout(WATCH_INTERVAL_S):
-            await rung.wait()
-    except TimeoutError:
-        return  # time to look for what another process added

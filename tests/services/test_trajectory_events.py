@@ -10,7 +10,7 @@ from contextlib import aclosing
 import pytest
 
 from app.errors import InvalidInput
-from app.services import trajectory_events
+from app.services import trajectory_bell, trajectory_events
 from app.services.sites import delete_site
 from app.services.trajectory_bell import TrajectoryBell
 from app.services.trajectory_events import Arrivals, first_event, watch_trajectory
@@ -70,7 +70,7 @@ def test_what_another_process_adds_is_seen(database: Database) -> None:
 
 
 def test_the_bell_wakes_those_who_watch(sqlite_database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trajectory_events, "WATCH_INTERVAL_S", 2 * PATIENCE_S)  # only the bell is in time
+    monkeypatch.setattr(trajectory_bell, "WATCH_INTERVAL_S", 2 * PATIENCE_S)  # only the bell is in time
     site_id = new_site(sqlite_database)
     walk = add_walk(sqlite_database, site_id, [Step(0.0, HERE)])
     bell = TrajectoryBell()

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import get_args
 
-from app.errors import InvalidInput
 from app.trajectories.association import Pairs
-from app.trajectories.metrics.absolute_pose_error import Part, absolute_pose_errors
-from app.trajectories.metrics.relative_pose_error import Stretch, Unit, relative_pose_errors
+from app.trajectories.metrics.absolute_pose_error import Part, absolute_pose_errors, error_of_motion
+from app.trajectories.metrics.relative_pose_error import Stretch, Unit, motion_errors, stretches_of
 from app.trajectories.metrics.summary import Summary, summarise
 
 DELTA = 1.0  # per frame, per metre, per second
@@ -43,7 +42,9 @@ def pose_errors_of(pairs: Pairs) -> PoseErrors:
 
 
 def _relative(pairs: Pairs, stretch: Stretch) -> dict[Part, Summary] | None:
-    try:
-        return {part: summarise(relative_pose_errors(pairs, part, stretch).values) for part in PARTS}
-    except InvalidInput:  # both have orientations: the pairs are shorter than the stretch
+    """One motion per stretch serves all parts; None when the pairs are shorter than one stretch."""
+    starts, ends = stretches_of(pairs, stretch)
+    if len(starts) == 0:
         return None
+    motion = motion_errors(pairs, starts, ends)
+    return {part: summarise(error_of_motion(motion, part)) for part in PARTS}

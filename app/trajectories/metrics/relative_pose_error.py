@@ -72,15 +72,24 @@ def relative_pose_errors(pairs: Pairs, part: Part = "trans", stretch: Stretch | 
     in frames are chosen as the tool evo chooses them, so that the numbers are the same.
     """
     stretch = stretch or Stretch()
-    starts, ends = _stretches(_progress(pairs, stretch.unit), stretch)
+    starts, ends = stretches_of(pairs, stretch)
     if len(starts) == 0:
         raise InvalidInput(
             f"the pairs are shorter than one stretch of {stretch.delta:g} {stretch.unit}: take a shorter"
         )
+    return RelativeErrors(starts, ends, error_of_motion(motion_errors(pairs, starts, ends), part))
+
+
+def stretches_of(pairs: Pairs, stretch: Stretch) -> tuple[Rows, Rows]:
+    """Rows of the first and the last pair of each stretch, shape (M,); none when the pairs are shorter than one."""
+    return _stretches(_progress(pairs, stretch.unit), stretch)
+
+
+def motion_errors(pairs: Pairs, starts: Rows, ends: Rows) -> Array:
+    """``E`` of each stretch, shape (M, 4, 4): what the estimate's motion has beyond the reference's."""
     true, estimated = matrices_of(pairs.reference), matrices_of(pairs.estimate)
     true_motion = relative_motion(true[starts], true[ends])
-    motion = relative_motion(estimated[starts], estimated[ends])
-    return RelativeErrors(starts, ends, error_of_motion(relative_motion(true_motion, motion), part))
+    return relative_motion(true_motion, relative_motion(estimated[starts], estimated[ends]))
 
 
 def _progress(pairs: Pairs, unit: Unit) -> Array:
