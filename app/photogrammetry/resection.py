@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera
+from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, CameraSource
 from app.geometry.observations import TargetObservation
 from app.geometry.pose import Pose
 from app.geometry.target_map import TargetMap
@@ -25,7 +25,7 @@ from app.photogrammetry.resection_judgement import JudgementOptions, Solution, c
 from app.photogrammetry.resection_refusals import check_dots, too_few_dots
 from app.photogrammetry.resection_sampling import SamplingOptions, find_consensus
 from app.photogrammetry.resection_start import Start, StartOptions, find_start
-from app.photogrammetry.resection_uncertainty import UncertaintyOptions, pose_uncertainty
+from app.photogrammetry.resection_uncertainty import UncertaintyOptions, pose_uncertainty, posterior_camera
 
 Array = npt.NDArray[np.float64]
 
@@ -96,6 +96,8 @@ class Resection:
         In the order of the observations.
     ambiguity_ratio : float or None
         Residuals of the mirror image over those of the pose; None when the view is not ambiguous.
+    camera : CalibratedCamera
+        What this photograph and the prior together say of the camera.
     """
 
     site_from_cam: Pose
@@ -106,6 +108,7 @@ class Resection:
     rms_residual_px: float
     targets: tuple[UsedTarget, ...]
     ambiguity_ratio: float | None
+    camera: CalibratedCamera
 
 
 def resect(
@@ -145,7 +148,7 @@ def resect(
         raise too_few_dots(known)
     solution = _solve(problem, start, options)
     judge(solution, target_map, options.judgement, options.ambiguity)
-    return _report(solution, observations, target_map)
+    return _report(solution, observations, target_map, camera.source)
 
 
 def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solution:
@@ -166,7 +169,9 @@ def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solutio
     return Solution(problem, consensus, ambiguity, uncertainty)
 
 
-def _report(solution: Solution, observations: Sequence[TargetObservation], target_map: TargetMap) -> Resection:
+def _report(
+    solution: Solution, observations: Sequence[TargetObservation], target_map: TargetMap, source: CameraSource
+) -> Resection:
     """The solution as its user sees it: with the datum's uncertainty and the fate of each observed target."""
     adjusted, uncertainty = solution.ambiguity.adjusted, solution.uncertainty
     coordinates = adjusted.redundancy + POSE_COUNT
@@ -181,6 +186,7 @@ def _report(solution: Solution, observations: Sequence[TargetObservation], targe
         rms_residual_px=float(np.sqrt((adjusted.equations.residuals_px**2).sum() / coordinates)),
         targets=tuple(fates.get(seen.code) or unknown(seen.code) for seen in observations),
         ambiguity_ratio=solution.ambiguity.ratio,
+        camera=posterior_camera(solution.problem.prior, adjusted, source),
     )
 
 

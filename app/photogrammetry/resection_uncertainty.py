@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri
 
+from app.geometry.camera import CalibratedCamera, CameraSource
 from app.photogrammetry.resection_adjustment import AdjustedState, evaluate
 from app.photogrammetry.resection_equations import OWN_COUNT, POSE_COUNT, RIDGE, ROTATION, STATE_COUNT, CameraPrior
 from app.photogrammetry.resection_input import SightedTargets
@@ -100,6 +101,13 @@ def pose_uncertainty(
             widest, widened = max(widest, widening), widened + (widening**2 - 1.0) * np.outer(one_sigma, one_sigma)
     factor = variance_factor(sighted, adjusted, options)
     return PoseUncertainty(factor * widened[:POSE_COUNT, :POSE_COUNT], factor, widest)
+
+
+def posterior_camera(prior: CameraPrior, adjusted: AdjustedState, source: CameraSource) -> CalibratedCamera:
+    """The camera after an adjustment: its prior, sharpened by what the photograph's geometry carries."""
+    whitened = np.linalg.inv(adjusted.information)[POSE_COUNT:, POSE_COUNT:]
+    covariance = prior.root @ whitened @ prior.root.T
+    return CalibratedCamera(prior.camera_at(adjusted.state.whitened), (covariance + covariance.T) / 2.0, source)
 
 
 def variance_factor(
