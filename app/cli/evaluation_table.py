@@ -13,11 +13,14 @@ from app.trajectories.comparison import Difference
 from app.trajectories.evaluation import Evaluation
 from app.trajectories.metrics.bands import counts_in_bands
 from app.trajectories.metrics.bootstrap import Interval
+from app.trajectories.metrics.relative_pose_error import Unit
+from app.trajectories.metrics.summary import Summary
 
 Row = tuple[str, Callable[[Evaluation], str]]
 
 METRES = "{:.4f} m"
 AXES = ("x", "y", "z")
+STRETCHES: tuple[tuple[Unit, str], ...] = (("frames", "frame"), ("metres", "metre"), ("seconds", "second"))
 
 
 def print_evaluations(
@@ -68,6 +71,21 @@ def _rms(axis: int, evaluation: Evaluation) -> str:
     return _metres(float(evaluation.accuracy.rms_m[axis]))
 
 
+def _absolute(evaluation: Evaluation) -> str:
+    absolute = evaluation.pose_errors.absolute
+    return _pose_error(absolute["trans"], absolute.get("rot_deg"))
+
+
+def _relative(unit: Unit, evaluation: Evaluation) -> str:
+    found = evaluation.pose_errors.relative.get(unit)
+    return "-" if found is None else _pose_error(found["trans"], found["rot_deg"])
+
+
+def _pose_error(position: Summary, orientation_deg: Summary | None) -> str:
+    turned = "" if orientation_deg is None else f", {orientation_deg.rms:.3f} deg"
+    return f"{_metres(position.rms)}{turned}"
+
+
 ROWS: tuple[Row, ...] = (
     ("pairs", lambda e: f"{len(e.pairs)} of {e.pairs.estimate_count}"),
     ("clock offset", _offset),
@@ -80,6 +98,8 @@ ROWS: tuple[Row, ...] = (
     ("CE50, CE95 (m)", lambda e: _vector((e.accuracy.horizontal.median, e.accuracy.horizontal.quantile_95))),
     ("VE50, VE95 (m)", lambda e: _vector((e.accuracy.vertical.median, e.accuracy.vertical.quantile_95))),
     ("SE50, SE95 (m)", lambda e: _vector((e.accuracy.spatial.median, e.accuracy.spatial.quantile_95))),
+    ("APE (RMSE)", _absolute),
+    *((f"RPE per {stretch} (RMSE)", partial(_relative, unit)) for unit, stretch in STRETCHES),
     ("EvAAL third quartile", lambda e: _metres(e.evaal.quantile_75)),
     ("right storey", lambda e: _share(None if e.floors is None else e.floors.detection_probability)),
     ("reference covered", lambda e: _share(e.availability.covered_share)),

@@ -15,6 +15,7 @@ from app.trajectories.metrics.bootstrap import BootstrapOptions, Interval, inter
 from app.trajectories.metrics.distinguishable import Verdict, verdict_on
 from app.trajectories.metrics.errors import Errors, errors_of
 from app.trajectories.metrics.floors import FloorScore, evaal_errors_m, floor_score
+from app.trajectories.metrics.pose_errors import PoseErrors, pose_errors_of
 from app.trajectories.metrics.summary import Summary, summarise
 from app.trajectories.metrics.zones import Zone, accuracy_by_zone
 from app.trajectories.time_offset import TimeOffset, estimate_time_offset
@@ -96,6 +97,7 @@ class Evaluation:
         Of EvAAL's errors; its ``quantile_75`` is the score.
     floors : FloorScore or None
     availability : Availability
+    pose_errors : PoseErrors
     zones : dict of Accuracy by name
     verdict : Verdict or None
         None when the reference told no covariances.
@@ -110,6 +112,7 @@ class Evaluation:
     evaal: Summary
     floors: FloorScore | None
     availability: Availability
+    pose_errors: PoseErrors
     zones: dict[str, Accuracy]
     verdict: Verdict | None
 
@@ -160,6 +163,7 @@ def judge(found: Match, options: EvaluationOptions) -> Evaluation:
         evaal=summarise(evaal_errors_m(errors, floors)),
         floors=floors,
         availability=found.availability,
+        pose_errors=pose_errors_of(pairs),
         zones=accuracy_by_zone(errors, pairs.reference.positions_m, options.zones),
         verdict=verdict_on(errors),
     )

@@ -8,7 +8,6 @@ from typing import Any
 from app.trajectories.comparison import Difference
 from app.trajectories.evaluation import Evaluation
 from app.trajectories.metrics.accuracy import Accuracy
-from app.trajectories.metrics.pose_errors import pose_errors_of
 from app.trajectories.metrics.summary import Summary
 
 
@@ -32,7 +31,7 @@ def record_of_evaluation(evaluation: Evaluation) -> dict[str, Any]:
         "evaal": {"third_quartile_m": evaluation.evaal.quantile_75, "mean_m": evaluation.evaal.mean},
         "floor_detection_probability": None if floors is None else floors.detection_probability,
         "availability": asdict(evaluation.availability),
-        "pose_errors": asdict(pose_errors_of(evaluation.pairs)),
+        "pose_errors": asdict(evaluation.pose_errors),
         "zones": {name: record_of_accuracy(accuracy) for name, accuracy in evaluation.zones.items()},
         "verdict": None if verdict is None else {**asdict(verdict), "sentence": verdict.sentence},
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.services.evaluation_report.material import ReportMaterial
 from app.services.evaluation_report.sections.conventions import conventions
 from app.services.evaluation_report.sections.figures import distributions, systems
+from app.services.evaluation_report.sections.pose_errors import pose_errors
 from app.services.evaluation_report.sections.summary import summary
 from app.services.evaluation_report.sections.tables import accuracy, comparison, conditions, zones
 from app.services.reporting.document import Document
@@ -17,6 +18,7 @@ def compose(material: ReportMaterial) -> Document:
         summary(material),
         *([comparison(material)] if material.differences else []),
         accuracy(material),
+        pose_errors(material),
         *([zones(material)] if material.zones else []),
         distributions(material),
         *systems(material),

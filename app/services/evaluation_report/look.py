@@ -13,6 +13,7 @@ COLOURS: tuple[Series, ...] = get_args(Series)
 DASHES: tuple[tuple[float, ...], ...] = ((), (5.0, 2.0), (1.2, 1.8), (7.0, 2.0, 1.2, 2.0), (3.0, 1.5), (9.0, 3.0))
 LONGEST_NAME = 32
 CHI2_95_2D = 5.991  # 95 % of a chi-squared distribution of two degrees of freedom
+CHI2_95_3D = 7.815  # of three
 SIGMAS_95 = 1.96  # 95 % of a normal distribution lie within, on both sides
 
 

@@ -17,7 +17,7 @@ USUAL = 0.95  # share of the errors of each system that an axis shows in any cas
 FAR = 4.0  # the greatest error is shown up to so many times the usual ones
 BEYOND_USUAL = 1.5  # how far an axis goes that does not show it
 ROOM = 1.04
-LEAST_M = 1e-3  # of an axis, also where there is no error at all
+LEAST = 1e-3  # of an axis, also where there is no error at all: a millimetre, a thousandth of a degree
 
 
 @dataclass(frozen=True)
@@ -26,30 +26,31 @@ class Reach:
 
     Attributes
     ----------
-    end_m : float
+    end : float
+        In the unit of the errors, as ``greatest``.
     beyond : int
         Errors that are greater.
-    greatest_m : float
+    greatest : float
     """
 
-    end_m: float
+    end: float
     beyond: int
-    greatest_m: float
+    greatest: float
 
-    def said_of(self, words: str) -> str:
+    def said_of(self, words: str, unit: str = "m") -> str:
         """The sentence for a caption, of errors in such words; nothing when the axis shows all."""
         if self.beyond == 0:
             return ""
         verb = "lies" if self.beyond == 1 else "lie"
-        greatest = error_m(self.greatest_m)
-        return f" {count(self.beyond)} of the {words} {verb} beyond the axis, the greatest at {greatest} m."
+        greatest = error_m(self.greatest)
+        return f" {count(self.beyond)} of the {words} {verb} beyond the axis, the greatest at {greatest} {unit}."
 
 
-def reach_of(series_m: Sequence[Array]) -> Reach:
+def reach_of(series: Sequence[Array]) -> Reach:
     """The axis for sizes of errors, of shape (K,) each, none empty."""
-    greatest_m = max(float(series.max()) for series in series_m)
-    usual_m = max(float(np.quantile(series, USUAL)) for series in series_m)
-    far = greatest_m > FAR * usual_m > 0.0
-    end_m = max(BEYOND_USUAL * usual_m if far else ROOM * greatest_m, LEAST_M)
-    beyond = sum(int((series > end_m).sum()) for series in series_m)
-    return Reach(end_m, beyond, greatest_m)
+    greatest = max(float(sizes.max()) for sizes in series)
+    usual = max(float(np.quantile(sizes, USUAL)) for sizes in series)
+    far = greatest > FAR * usual > 0.0
+    end = max(BEYOND_USUAL * usual if far else ROOM * greatest, LEAST)
+    beyond = sum(int((sizes > end).sum()) for sizes in series)
+    return Reach(end, beyond, greatest)

@@ -55,6 +55,10 @@ ALIGNMENT: tuple[Told, ...] = (
     ("Translation X, m", lambda e: e.alignment.site_from_estimate.translation_m[0]),
     ("Translation Z, m", lambda e: e.alignment.site_from_estimate.translation_m[2]),
 )
+ABSOLUTE: tuple[Told, ...] = (
+    ("Position, RMSE, m", lambda e: e.pose_errors.absolute["trans"].rms),
+    ("Position, greatest, m", lambda e: e.pose_errors.absolute["trans"].greatest),
+)
 AVAILABILITY: tuple[Told, ...] = (
     ("Pairs", lambda e: len(e.pairs)),
     ("Poses of the system", lambda e: e.pairs.estimate_count),
@@ -77,6 +81,7 @@ def numbers(text: str) -> list[float]:
     [
         ("Accuracy in the terms of ISO/IEC 18305", ACCURACY),
         ("EvAAL", EVAAL),
+        ("Absolute pose error (APE)", ABSOLUTE),
         ("Clock and alignment", ALIGNMENT),
         ("Availability", AVAILABILITY),
     ],
@@ -108,6 +113,21 @@ def test_orientations_are_told_where_there_are_any(report: Document, material: R
     assert rotation is not None
     assert number(row["", "turned"]) == pytest.approx(np.degrees(rotation.rms), abs=0.51e-3)
     assert row["", "Wi-Fi"] == "–"  # noqa: RUF001 - an en dash
+
+
+def test_motions_are_told_where_there_are_orientations(report: Document, material: ReportMaterial) -> None:
+    table = table_of(report, "Relative pose error (RPE)")
+    labels = [row[0] for row in table.rows]
+    found = material.evaluations["UWB"].pose_errors.relative
+    for label, value in (
+        ("Position per frame, RMSE, m", found["frames"]["trans"].rms),
+        ("Orientation per second, median, degrees", found["seconds"]["rot_deg"].median),
+        ("Full pose per metre, mean", found["metres"]["full"].mean),
+        ("Stretches of one metre", found["metres"]["trans"].count),
+    ):
+        row = cells(table, labels.index(label))
+        assert number(row["", "UWB"]) == pytest.approx(value, abs=0.51e-3), label
+        assert row["", "Wi-Fi"] == "–"  # noqa: RUF001 - an en dash
 
 
 def test_the_rotation_of_the_alignment_is_told(report: Document, material: ReportMaterial) -> None:
@@ -177,6 +197,7 @@ def test_sections_come_in_the_order_of_reading(report: Document, material: Repor
         "Summary",
         "Comparison",
         "Accuracy",
+        "Pose errors",
         "Zones",
         "Distribution of the errors",
         *material.evaluations,

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from app.services.evaluation_report.figures.boxes import boxes
 from app.services.evaluation_report.figures.components import components
-from app.services.evaluation_report.figures.cumulative import cumulative_spatial
+from app.services.evaluation_report.figures.cumulative import cumulative_rotation, cumulative_spatial
 from app.services.evaluation_report.figures.histogram import histogram
-from app.services.evaluation_report.figures.over_time import over_time
+from app.services.evaluation_report.figures.over_time import BETWEEN, SIZE, over_time
 from app.services.evaluation_report.figures.plan_view import class_limits_m, plan_view
 from app.services.evaluation_report.look import pens
 from app.services.evaluation_report.material import ReportMaterial
@@ -86,6 +86,22 @@ def test_the_curve_is_the_distribution(uwb: Evaluation) -> None:
     sizes_m = np.sort(uwb.errors.spatial_m)
     np.testing.assert_allclose(curve[1:-2, 0] - zero, points_per_unit(figure, 0) * sizes_m, atol=SMALLEST)
     assert (np.diff(curve, axis=0) * [1.0, -1.0] >= -1e-9).all()  # never falls; the sheet's y points down
+
+
+def test_orientations_have_a_curve_and_a_panel_where_they_are_told(material: ReportMaterial, uwb: Evaluation) -> None:
+    figure = cumulative_rotation(material.evaluations)
+    assert figure is not None
+    assert "Wi-Fi" not in labels(figure) and "rotation error, degrees" in labels(figure)
+    turned = material.evaluations["turned"].accuracy.rotation
+    assert turned is not None
+    circles = [circle.centre[0] for circle in ellipses(figure, "series4")]
+    levels_deg = np.degrees([turned.median, turned.quantile_75, turned.quantile_95])
+    zero = labels(figure)["0.00"][0]
+    np.testing.assert_allclose(circles, zero + points_per_unit(figure, 0) * levels_deg, atol=SMALLEST)
+    assert "angle of rotation" in over_time(uwb, "series1").caption
+    without = material.evaluations["Wi-Fi"]
+    assert "rotation" not in over_time(without, "series2").caption
+    assert cumulative_rotation({"Wi-Fi": without}) is None
 
 
 def test_systems_differ_in_colour_and_in_dashes() -> None:
@@ -172,19 +188,19 @@ def test_the_ellipse_of_the_components_is_that_of_the_covariance(uwb: Evaluation
 
 def test_the_references_uncertainty_lies_behind_the_errors(uwb: Evaluation) -> None:
     figure = over_time(uwb, "series1")
-    across, up = paths(figure, "band")
+    across, up, turned = paths(figure, "band")
     scales = [-points_per_unit(labels_of_panel(figure, panel), 1) for panel in (0, 1)]
     assert np.ptp(across.points[:, 1]) / scales[0] == pytest.approx(np.sqrt(5.991) * 0.02, rel=1e-3)
     assert np.ptp(up.points[:, 1]) / scales[1] == pytest.approx(2 * 1.96 * 0.03, rel=1e-3)
+    assert np.ptp(turned.points[:, 1]) > 0.0
 
 
 def labels_of_panel(figure: Figure, panel: int) -> Figure:
     """The labels of one of its panels alone."""
-    middle = figure.drawing.height / 2.0
     kept = tuple(
         shape
         for shape in figure.drawing.shapes
-        if not isinstance(shape, Label) or (shape.at[1] > middle) == bool(panel)
+        if not isinstance(shape, Label) or int(shape.at[1] // (SIZE[1] + BETWEEN)) == panel
     )
     return replace(figure, drawing=replace(figure.drawing, shapes=kept))
 

@@ -53,7 +53,7 @@ def test_the_page_says_all_and_fetches_nothing(html: str, report: Document) -> N
 
 def test_each_drawing_is_well_formed(html: str, material: ReportMaterial) -> None:
     drawings = [f"<svg{part.split('</svg>')[0]}</svg>" for part in html.split("<svg")[1:]]
-    assert len(drawings) == 3 + 4 * len(material.evaluations)
+    assert len(drawings) == 4 + 4 * len(material.evaluations)
     for drawing in drawings:
         root = ElementTree.fromstring(drawing)
         assert float(root.attrib["viewBox"].split()[3]) > 0

@@ -56,7 +56,7 @@ def boxes(material: ReportMaterial) -> Figure:
     left = max(LEAST_LEFT, NAME_GAP + LETTER_WIDTH * NAME_SIZE * max(len(row.label) for row in rows))
     tops = _tops(rows)
     size = np.array([WIDTH - left - RIGHT, tops[-1] + ROW])
-    axes = Axes(np.zeros(2), np.array([reach.end_m, 1.0]), np.array([left, TOP]), size)
+    axes = Axes(np.zeros(2), np.array([reach.end, 1.0]), np.array([left, TOP]), size)
     shapes = _ground(axes)
     for row, top in zip(rows, tops, strict=True):
         shapes += _box(axes, row, TOP + top + ROW / 2.0)
@@ -84,7 +84,7 @@ def _rows(material: ReportMaterial) -> list[_Row]:
 def _reach(rows: list[_Row]) -> Reach:
     """The axis for all boxes; an error that is in a zone as well is counted once."""
     reach = reach_of([row.sizes_m for row in rows])
-    beyond = sum(int((row.sizes_m > reach.end_m).sum()) for row in rows if row.zone == EVERYWHERE)
+    beyond = sum(int((row.sizes_m > reach.end).sum()) for row in rows if row.zone == EVERYWHERE)
     return replace(reach, beyond=beyond)
 
 

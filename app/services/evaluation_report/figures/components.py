@@ -41,7 +41,7 @@ def components(evaluation: Evaluation, ink: Ink) -> Figure:
     merges = False
     for panel, plane in enumerate(PLANES):
         corner = CORNER + np.array([panel * (SIDE + BETWEEN), 0.0])
-        axes = Axes(np.full(2, -reach.end_m), np.full(2, reach.end_m), corner, np.full(2, SIDE))
+        axes = Axes(np.full(2, -reach.end), np.full(2, reach.end), corner, np.full(2, SIDE))
         dots = _dots(axes, vectors_m[:, plane], ink)
         merges |= len(dots) < int(_inside(axes, vectors_m[:, plane]).sum())
         shapes += [*_grid(axes, plane), *dots, *_bias_and_spread(axes, evaluation, plane)]

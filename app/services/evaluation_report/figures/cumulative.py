@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from app.services.evaluation_report.figures.measures import HORIZONTAL, SPATIAL, VERTICAL, Measure
+from app.services.evaluation_report.figures.measures import HORIZONTAL, ROTATION, SPATIAL, VERTICAL, Measure
 from app.services.evaluation_report.look import FRAME, WIDTH, pens, short
 from app.services.evaluation_report.numbers import PERCENT
 from app.services.evaluation_report.reach import Reach, reach_of
@@ -38,7 +38,7 @@ def cumulative_spatial(evaluations: Evaluations) -> Figure:
     """The errors in space of all systems, with the lines of 50, 75 and 95 %."""
     size = np.array([WIDTH - CORNER[0] - RIGHT, HEIGHT])
     panel, reach = _panel(evaluations, SPATIAL, (CORNER, size))
-    return _figure(evaluations, panel, HEIGHT, _caption((SPATIAL,), (reach,)))
+    return _figure(pens(list(evaluations)), panel, HEIGHT, _caption((SPATIAL,), (reach,)))
 
 
 def cumulative_parts(evaluations: Evaluations) -> Figure:
@@ -47,32 +47,44 @@ def cumulative_parts(evaluations: Evaluations) -> Figure:
     beside = CORNER + np.array([size[0] + BETWEEN, 0.0])
     left, plan = _panel(evaluations, HORIZONTAL, (CORNER, size))
     right, heights = _panel(evaluations, VERTICAL, (beside, size))
-    return _figure(evaluations, [*left, *right], SMALL_HEIGHT, _caption((HORIZONTAL, VERTICAL), (plan, heights)))
+    return _figure(
+        pens(list(evaluations)), [*left, *right], SMALL_HEIGHT, _caption((HORIZONTAL, VERTICAL), (plan, heights))
+    )
 
 
-def _figure(evaluations: Evaluations, panels: list[Shape], height: float, caption: str) -> Figure:
-    entries = [(pen, short(name)) for name, pen in pens(list(evaluations)).items()]
+def cumulative_rotation(evaluations: Evaluations) -> Figure | None:
+    """The errors of orientation of those systems that told any; None when none did."""
+    turned = [name for name, found in evaluations.items() if len(ROTATION.of(found))]
+    if not turned:
+        return None
+    size = np.array([WIDTH - CORNER[0] - RIGHT, SMALL_HEIGHT])
+    panel, reach = _panel(evaluations, ROTATION, (CORNER, size))
+    strokes = {name: pen for name, pen in pens(list(evaluations)).items() if name in turned}
+    return _figure(strokes, panel, SMALL_HEIGHT, _caption((ROTATION,), (reach,)))
+
+
+def _figure(strokes: Mapping[str, Pen], panels: list[Shape], height: float, caption: str) -> Figure:
+    entries = [(pen, short(name)) for name, pen in strokes.items()]
     at = CORNER + np.array([0.0, height + FOOT])
     width = WIDTH - CORNER[0] - RIGHT
     lower = float(at[1]) + key_height(width, entries) - BELOW_KEY
     drawing = Drawing(WIDTH, lower, (*panels, *key(at, width, entries)))
-    names = ", ".join(evaluations)
+    names = ", ".join(strokes)
     return Figure(drawing, caption, f"Curves of the share of errors below each size for {names}.")
 
 
 def _caption(measures: tuple[Measure, ...], reaches: tuple[Reach, ...]) -> str:
     which = " and of ".join(measure.words for measure in measures)
-    return (
-        f"Cumulative distribution of {which}; circles where a curve meets 50, 75 and 95 %."
-        f"{''.join(reach.said_of(measure.words) for measure, reach in zip(measures, reaches, strict=True))}"
-    )
+    far = (reach.said_of(measure.words, measure.unit) for measure, reach in zip(measures, reaches, strict=True))
+    return f"Cumulative distribution of {which}; circles where a curve meets 50, 75 and 95 %.{''.join(far)}"
 
 
 def _panel(evaluations: Evaluations, measure: Measure, frame: tuple[Array, Array]) -> tuple[list[Shape], Reach]:
-    series_m = {name: measure.of(evaluation) for name, evaluation in evaluations.items()}
-    reach = reach_of(list(series_m.values()))
-    axes = Axes(np.zeros(2), np.array([reach.end_m, PERCENT]), *frame)
-    step = nice_step(0.0, reach.end_m, round(float(axes.size[0]) / LEAST_STEP))
+    told = {name: measure.of(evaluation) for name, evaluation in evaluations.items()}
+    series = {name: sizes for name, sizes in told.items() if len(sizes)}
+    reach = reach_of(list(series.values()))
+    axes = Axes(np.zeros(2), np.array([reach.end, PERCENT]), *frame)
+    step = nice_step(0.0, reach.end, round(float(axes.size[0]) / LEAST_STEP))
     shapes: list[Shape] = [
         *axes.grid(0, step, digits_of_step(step)),
         *axes.grid(1, UP_STEP, 0),
@@ -81,7 +93,7 @@ def _panel(evaluations: Evaluations, measure: Measure, frame: tuple[Array, Array
         *axes.titles(measure.title, "share of pairs, %", TITLE_LEFT),
     ]
     for name, pen in pens(list(evaluations)).items():
-        shapes += _curve(axes, series_m[name], pen)
+        shapes += _curve(axes, series[name], pen) if name in series else []
     return shapes, reach
 
 
@@ -92,21 +104,21 @@ def _line(axes: Axes, share: float) -> list[Shape]:
     return [line(ends[0], ends[1], LINE), name]
 
 
-def _curve(axes: Axes, sizes_m: Array, pen: Pen) -> list[Shape]:
+def _curve(axes: Axes, sizes: Array, pen: Pen) -> list[Shape]:
     """Quantiles of type 7, those of the tables, up to the end of the axis."""
-    end_m = float(axes.high[0])
-    shares = np.linspace(0.0, 1.0, min(len(sizes_m), MOST_POINTS)) if len(sizes_m) > 1 else np.array([0.0, 1.0])
-    quantiles_m = np.quantile(sizes_m, shares)
-    last = float(np.interp(end_m, quantiles_m, shares))
-    inside = quantiles_m < end_m
-    until_m = min(end_m, float(quantiles_m[-1]))
-    course = np.column_stack([quantiles_m[inside], shares[inside]])
-    points = np.vstack([[0.0, 0.0], course, [until_m, last], [end_m, last]])  # before the least nothing, after it all
-    at_lines = np.column_stack([np.quantile(sizes_m, LINES), LINES])
+    end = float(axes.high[0])
+    shares = np.linspace(0.0, 1.0, min(len(sizes), MOST_POINTS)) if len(sizes) > 1 else np.array([0.0, 1.0])
+    quantiles = np.quantile(sizes, shares)
+    last = float(np.interp(end, quantiles, shares))
+    inside = quantiles < end
+    until = min(end, float(quantiles[-1]))
+    course = np.column_stack([quantiles[inside], shares[inside]])
+    points = np.vstack([[0.0, 0.0], course, [until, last], [end, last]])  # before the least nothing, after it all
+    at_lines = np.column_stack([np.quantile(sizes, LINES), LINES])
     marks = [
         Ellipse(axes.place(_percent(mark)), np.full(2, MARK_RADIUS), 0.0, Pen(pen.ink, pen.width))
         for mark in at_lines
-        if mark[0] <= end_m
+        if mark[0] <= end
     ]
     return [Path(axes.place(_percent(points)), pen), *marks]
 

@@ -31,7 +31,7 @@ HEADROOM = 1.08
 def histogram(evaluation: Evaluation, ink: Ink) -> Figure:
     """The errors in space of one system, with the levels of its table."""
     sizes_m = SPATIAL.of(evaluation)
-    edges_m = _edges_m(sizes_m, reach_of([sizes_m]).end_m)
+    edges_m = _edges_m(sizes_m, reach_of([sizes_m]).end)
     counts, _ = np.histogram(np.minimum(sizes_m, edges_m[-1]), edges_m)
     axes = Axes(np.zeros(2), np.array([edges_m[-1], HEADROOM * counts.max()]), CORNER, SIZE)
     shapes = (*_grid(axes), *_bars(axes, counts, edges_m, ink), *_levels(axes, evaluation))

@@ -1,4 +1,4 @@
-"""The three sizes of an error that figures show."""
+"""The sizes of an error that figures show."""
 
 from __future__ import annotations
 
@@ -11,20 +11,24 @@ import numpy.typing as npt
 from app.trajectories.evaluation import Evaluation
 
 Array = npt.NDArray[np.float64]
-Part = Literal["horizontal", "vertical", "spatial"]
+Part = Literal["horizontal", "vertical", "spatial", "rotation"]
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A size of errors: which part of them, how an axis and how a sentence names it."""
+    """A size of errors: which part of them, how an axis and how a sentence names it, and its unit."""
 
     part: Part
     title: str
     words: str
+    unit: str = "m"
 
     def of(self, evaluation: Evaluation) -> Array:
-        """Sizes in metres, shape (K,)."""
+        """Sizes in the measure's unit, shape (K,); none for rotations when there are no orientations."""
         errors = evaluation.errors
+        if self.part == "rotation":
+            angles_rad = errors.angles_rad
+            return np.zeros(0) if angles_rad is None else np.degrees(angles_rad)
         if self.part == "horizontal":
             return errors.horizontal_m
         return errors.vertical_m if self.part == "vertical" else errors.spatial_m
@@ -33,3 +37,4 @@ class Measure:
 HORIZONTAL = Measure("horizontal", "horizontal error, m", "errors in the plan")
 VERTICAL = Measure("vertical", "vertical error, m", "errors in height")
 SPATIAL = Measure("spatial", "3-D error, m", "errors in space")
+ROTATION = Measure("rotation", "rotation error, degrees", "errors of orientation", "degrees")

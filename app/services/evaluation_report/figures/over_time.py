@@ -1,4 +1,4 @@
-"""Errors over time, in the plan and in height, before the reference's own uncertainty."""
+"""Errors over time, in the plan, in height and of orientation, before the reference's own uncertainty."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from app.services.evaluation_report.figures.measures import HORIZONTAL, VERTICAL
-from app.services.evaluation_report.look import CHI2_95_2D, FRAME, SIGMAS_95, WIDTH
+from app.services.evaluation_report.figures.measures import HORIZONTAL, ROTATION, VERTICAL, Measure
+from app.services.evaluation_report.look import CHI2_95_2D, CHI2_95_3D, FRAME, SIGMAS_95, WIDTH
 from app.services.evaluation_report.reach import Reach, reach_of
 from app.services.evaluation_report.thinning import Rows, extreme_rows, said, unbroken, usual_gap_s
 from app.services.reporting.document import Figure
@@ -40,29 +40,25 @@ class _Panel:
 
     Attributes
     ----------
-    title : str
-    values_m : ndarray of shape (K,)
-    band_m : ndarray of shape (K,) or None
+    measure : Measure
+    values : ndarray of shape (K,)
+        In the measure's unit.
+    band : ndarray of shape (K,) or None
         95 % of the reference's error are smaller.
     low : float
         Lower end of the axis: -1 for a signed series, 0 for sizes; times the upper end.
     """
 
-    title: str
-    values_m: Array
-    band_m: Array | None
+    measure: Measure
+    values: Array
+    band: Array | None
     low: float
 
 
 def over_time(evaluation: Evaluation, ink: Ink) -> Figure:
-    """The horizontal size and the signed vertical error of each pair."""
-    errors = evaluation.errors
-    across, up = _bands_m(errors)
-    panels = (
-        _Panel(HORIZONTAL.title, errors.horizontal_m, across, 0.0),
-        _Panel(VERTICAL.title, errors.vectors_m[:, 2], up, -1.0),
-    )
-    rows = extreme_rows(np.column_stack([panel.values_m for panel in panels]), MOST)
+    """The horizontal size, the signed vertical error and, if known, the angle of each pair."""
+    errors, panels = evaluation.errors, _panels(evaluation)
+    rows = extreme_rows(np.column_stack([panel.values for panel in panels]), MOST)
     unit, per_unit_s = _unit(float(np.ptp(errors.times_s)))
     shapes: list[Shape] = []
     reaches = []
@@ -73,26 +69,41 @@ def over_time(evaluation: Evaluation, ink: Ink) -> Figure:
         drawn = _Drawn(axes, errors, rows)
         shapes += [
             *drawn.band(panel),
-            *_ground(axes, panel, f"time, {unit}" if index else ""),
+            *_ground(axes, panel, f"time, {unit}" if index == len(panels) - 1 else ""),
             *drawn.series(panel, ink),
         ]
-    height = float(CORNER[1] + 2 * SIZE[1] + BETWEEN + FOOT)
-    description = f"Two curves over {fixed(float(np.ptp(errors.times_s)) / per_unit_s, 1)} {unit}."
+    height = float(CORNER[1] + len(panels) * (SIZE[1] + BETWEEN) - BETWEEN + FOOT)
+    description = f"{len(panels)} curves over {fixed(float(np.ptp(errors.times_s)) / per_unit_s, 1)} {unit}."
     return Figure(
-        Drawing(WIDTH, height, tuple(shapes)), _caption(reaches, across, said(len(rows), len(errors))), description
+        Drawing(WIDTH, height, tuple(shapes)), _caption(panels, reaches, said(len(rows), len(errors))), description
     )
 
 
-def _caption(reaches: list[Reach], band_m: Array | None, thinned: str) -> str:
+def _panels(evaluation: Evaluation) -> tuple[_Panel, ...]:
+    errors = evaluation.errors
+    across, up = _bands_m(errors)
+    panels = (
+        _Panel(HORIZONTAL, errors.horizontal_m, across, 0.0),
+        _Panel(VERTICAL, errors.vectors_m[:, 2], up, -1.0),
+    )
+    angles_deg = ROTATION.of(evaluation)
+    return (*panels, _Panel(ROTATION, angles_deg, _band_deg(evaluation), 0.0)) if len(angles_deg) else panels
+
+
+def _caption(panels: tuple[_Panel, ...], reaches: list[Reach], thinned: str) -> str:
     band = (
         " The reference told no uncertainty."
-        if band_m is None
-        else " Grey: where 95 % of the reference's own errors lie (the longer semi-axis of its ellipse; 1.96 sigma)."
+        if panels[0].band is None
+        else " Grey: where 95 % of the reference's own errors lie (longest semi-axis of its ellipse; 1.96 sigma in "
+        "height)."
     )
     triangles = " Triangles point to them." if any(reach.beyond for reach in reaches) else ""
-    words = HORIZONTAL.words, VERTICAL.words
-    beyond = "".join(reach.said_of(part) for reach, part in zip(reaches, words, strict=True))
-    series = "Errors over time since the first pair: size in the plan, and sign and size in height."
+    measures = [panel.measure for panel in panels]
+    beyond = "".join(
+        reach.said_of(measure.words, measure.unit) for reach, measure in zip(reaches, measures, strict=True)
+    )
+    turned = "; angle of rotation" if ROTATION in measures else ""
+    series = f"Errors over time since the first pair: size in the plan; sign and size in height{turned}."
     return f"{series}{band}{beyond}{triangles}{thinned}"
 
 
@@ -109,10 +120,19 @@ def _bands_m(errors: Errors) -> tuple[Array | None, Array | None]:
     return np.sqrt(CHI2_95_2D * greatest_m2), SIGMAS_95 * np.sqrt(covariances_m2[:, 2, 2])
 
 
+def _band_deg(evaluation: Evaluation) -> Array | None:
+    """What 95 % of the angles of the reference's own rotations keep within."""
+    covariances = evaluation.pairs.reference.covariances
+    if covariances is None:
+        return None
+    greatest_rad2 = np.linalg.eigvalsh(covariances[:, 3:, 3:])[:, -1]
+    return np.asarray(np.degrees(np.sqrt(CHI2_95_3D * greatest_rad2)))
+
+
 def _axes(panel: _Panel, times: Array, corner: Array) -> tuple[Axes, Reach]:
-    reach = reach_of([np.abs(panel.values_m)])
+    reach = reach_of([np.abs(panel.values)])
     end = float(times[-1]) or 1.0  # a single moment has no span
-    return Axes(np.array([0.0, panel.low * reach.end_m]), np.array([end, reach.end_m]), corner, SIZE), reach
+    return Axes(np.array([0.0, panel.low * reach.end]), np.array([end, reach.end]), corner, SIZE), reach
 
 
 def _ground(axes: Axes, panel: _Panel, across: str) -> list[Shape]:
@@ -126,7 +146,7 @@ def _ground(axes: Axes, panel: _Panel, across: str) -> list[Shape]:
         *axes.grid(1, up, digits_of_step(up)),
         line(zero[0], zero[1], ZERO),
         rectangle(axes.corner, axes.corner + axes.size, FRAME),
-        *axes.titles(across, panel.title, TITLE_LEFT)[0 if across else 1 :],
+        *axes.titles(across, panel.measure.title, TITLE_LEFT)[0 if across else 1 :],
     ]
 
 
@@ -140,18 +160,18 @@ class _Drawn:
 
     def band(self, panel: _Panel) -> list[Shape]:
         """The reference's uncertainty, below everything else."""
-        if panel.band_m is None:
+        if panel.band is None:
             return []
-        return [_band(self.axes, self._across[run], panel.band_m[run]) for run in self._runs]
+        return [_band(self.axes, self._across[run], panel.band[run]) for run in self._runs]
 
     def series(self, panel: _Panel, ink: Ink) -> list[Shape]:
         """The errors, and triangles for what lies beyond."""
-        inside_m = np.clip(panel.values_m, self.axes.low[1], self.axes.high[1])
-        places = self.axes.place(np.column_stack([self._across, inside_m]))
+        inside = np.clip(panel.values, self.axes.low[1], self.axes.high[1])
+        places = self.axes.place(np.column_stack([self._across, inside]))
         lines = [Path(places[run], Pen(ink, LINE)) for run in self._runs]
         dotted = places if len(places) <= DOTS_UP_TO else places[:0]
         dots = [Ellipse(place, np.full(2, DOT), 0.0, Pen(ink, 0.0, filled=True)) for place in dotted]
-        return [*lines, *dots, *_triangles(self.axes, places[self.rows], panel.values_m[self.rows], ink)]
+        return [*lines, *dots, *_triangles(self.axes, places[self.rows], panel.values[self.rows], ink)]
 
     @property
     def _across(self) -> Array:
@@ -164,14 +184,14 @@ class _Drawn:
         return unbroken(self.errors.times_s, self.rows, usual_gap_s(self.errors.times_s))
 
 
-def _band(axes: Axes, across: Array, band_m: Array) -> Path:
-    upper = np.column_stack([across, np.minimum(band_m, axes.high[1])])
-    lower = np.column_stack([across, np.maximum(-band_m, axes.low[1])])
+def _band(axes: Axes, across: Array, band: Array) -> Path:
+    upper = np.column_stack([across, np.minimum(band, axes.high[1])])
+    lower = np.column_stack([across, np.maximum(-band, axes.low[1])])
     return Path(axes.place(np.vstack([upper, lower[::-1]])), BAND, closed=True)
 
 
-def _triangles(axes: Axes, places: Array, values_m: Array, ink: Ink) -> list[Shape]:
+def _triangles(axes: Axes, places: Array, values: Array, ink: Ink) -> list[Shape]:
     pen = Pen(ink, 0.0, filled=True)
-    above = [Path(place + BEYOND, pen, closed=True) for place in places[values_m > axes.high[1]]]
-    below = [Path(place - BEYOND, pen, closed=True) for place in places[values_m < axes.low[1]]]
+    above = [Path(place + BEYOND, pen, closed=True) for place in places[values > axes.high[1]]]
+    below = [Path(place - BEYOND, pen, closed=True) for place in places[values < axes.low[1]]]
     return [*above, *below]

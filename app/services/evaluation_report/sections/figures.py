@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.services.evaluation_report.figures.boxes import boxes
 from app.services.evaluation_report.figures.components import components
-from app.services.evaluation_report.figures.cumulative import cumulative_parts, cumulative_spatial
+from app.services.evaluation_report.figures.cumulative import cumulative_parts, cumulative_rotation, cumulative_spatial
 from app.services.evaluation_report.figures.histogram import histogram
 from app.services.evaluation_report.figures.over_time import over_time
 from app.services.evaluation_report.figures.plan_view import plan_view
@@ -16,7 +16,9 @@ from app.services.reporting.document import Section
 def distributions(material: ReportMaterial) -> Section:
     """Cumulative curves and boxes of all systems."""
     curves = cumulative_spatial(material.evaluations), cumulative_parts(material.evaluations)
-    return Section("Distribution of the errors", (*curves, boxes(material)))
+    rotation = cumulative_rotation(material.evaluations)
+    turned = () if rotation is None else (rotation,)
+    return Section("Distribution of the errors", (*curves, *turned, boxes(material)))
 
 
 def systems(material: ReportMaterial) -> tuple[Section, ...]:

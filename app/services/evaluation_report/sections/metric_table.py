@@ -18,6 +18,7 @@ from app.trajectories.metrics.summary import Summary
 Row = tuple[str, Callable[[Evaluation], str]]
 
 AXES = "XYZ"
+MOST_UPRIGHT = 4  # systems whose columns of intervals fit an upright page
 SECOND_DIGITS, DEGREE_DIGITS, QUATERNION_DIGITS, SCALE_DIGITS, SQUARE_DIGITS = 4, 3, 6, 6, 6
 
 

@@ -10,6 +10,7 @@ from app.services.evaluation_report.sections.metric_table import (
     AVAILABILITY,
     EVAAL,
     INTERVALS,
+    MOST_UPRIGHT,
     metric_table,
 )
 from app.services.reporting.document import Column, Section, Table
@@ -17,7 +18,6 @@ from app.services.reporting.numbers import count
 from app.trajectories.comparison import Difference
 from app.trajectories.metrics.accuracy import Accuracy
 
-MOST_UPRIGHT = 4  # systems whose columns of intervals fit an upright page
 NEITHER, NONE_IN_COMMON = "neither beyond doubt", "no moment in common"
 
 
