@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from app.geometry.plate_sigmas import INDEPENDENT_DOTS, PlateSigmas
 from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
@@ -34,6 +35,8 @@ class TargetObservation:
         Digits that were hidden and filled by the code family.
     rms_px : float
         Root mean square of the measured dots about the plate's homography, per coordinate.
+    plate_sigmas : PlateSigmas
+        How much of their errors the dots share, over what the covariances say: all three 1 when they err alone.
     """
 
     code: int
@@ -43,6 +46,7 @@ class TargetObservation:
     corrected: int = 0
     erased: int = 0
     rms_px: float = 0.0
+    plate_sigmas: PlateSigmas = INDEPENDENT_DOTS
 
     def __post_init__(self) -> None:
         if self.centres_px.shape != (DOT_COUNT, 2) or self.covariances_px2.shape != (DOT_COUNT, 2, 2):
@@ -108,6 +112,7 @@ def observation_to_json(observation: TargetObservation) -> dict[str, Any]:
         "corrected": observation.corrected,
         "erased": observation.erased,
         "rms_px": observation.rms_px,
+        "plate_sigmas": asdict(observation.plate_sigmas),
     }
 
 
@@ -121,4 +126,5 @@ def observation_from_json(record: dict[str, Any]) -> TargetObservation:
         corrected=int(record["corrected"]),
         erased=int(record["erased"]),
         rms_px=float(record["rms_px"]),
+        plate_sigmas=PlateSigmas(**record["plate_sigmas"]),
     )

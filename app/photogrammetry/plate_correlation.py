@@ -1,9 +1,4 @@
-"""Errors that the dots of one sighting share: a plate's image is shifted, stretched and turned as a whole.
-
-Blur, shading and the interpolation of colour move neighbouring dots together, so that sixteen dots are worth less than
-sixteen independent ones. A sighting's residuals are parted in three: the shift of the plate's image (2 numbers), its
-linear deformation (4) and the rest, each with a standard deviation of its own.
-"""
+"""Errors that the dots of one sighting share, taken out of its equations: ``PlateSigmas`` says how large they are."""
 
 from __future__ import annotations
 
@@ -12,26 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from app.geometry.plate_sigmas import MODE_COUNT, PlateSigmas
 from app.targets.layout import DOT_COUNT, dot_centres_u
 
 Array = npt.NDArray[np.float64]
-
-SHIFT, LINEAR = slice(0, 2), slice(2, 6)
-MODE_COUNT = 6
-
-
-@dataclass(frozen=True)
-class PlateSigmas:
-    """Standard deviations of the three parts, as multiples of what the dots' covariances say."""
-
-    shift: float
-    linear: float
-    dots: float
-
-    @property
-    def of_modes(self) -> Array:
-        """Of the six modes, shape (6,): two of shift, four linear."""
-        return np.array([self.shift] * 2 + [self.linear] * 4)
 
 
 @dataclass(frozen=True)

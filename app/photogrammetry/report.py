@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from app.geometry.plate_sigmas import PlateSigmas
 from app.photogrammetry.image_residuals import ImageResiduals
-from app.photogrammetry.plate_correlation import PlateSigmas
 
 Array = npt.NDArray[np.float64]
 

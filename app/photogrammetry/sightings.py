@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.observations import Detection, TargetObservation
-from app.photogrammetry.plate_correlation import PlateModes, PlateSigmas, plate_basis
+from app.geometry.plate_sigmas import PlateSigmas
+from app.photogrammetry.plate_correlation import PlateModes, plate_basis
 from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
@@ -119,14 +120,14 @@ def gather_sightings(detections: Sequence[Detection]) -> tuple[Sightings, Index]
         photo=np.array([photo for photo, _ in found], dtype=np.intp),
         target=target.astype(np.intp),
         dots_px=np.array([seen.centres_px for _, seen in found]).reshape(-1, DOT_COUNT, 2),
-        whitening_per_px=np.array([_whitening(seen) for _, seen in found]).reshape(-1, DOT_COUNT, 2, 2),
+        whitening_per_px=np.array([whitening_of(seen) for _, seen in found]).reshape(-1, DOT_COUNT, 2, 2),
         photo_count=len(detections),
         target_count=len(codes),
     )
     return sightings, codes
 
 
-def _whitening(seen: TargetObservation) -> Array:
+def whitening_of(seen: TargetObservation) -> Array:
     """Inverse Cholesky factors of the dots' covariances, shape (16, 2, 2), zero where not measured."""
     whitening = np.zeros((DOT_COUNT, 2, 2))
     whitening[seen.measured] = np.linalg.inv(np.linalg.cholesky(seen.covariances_px2[seen.measured]))

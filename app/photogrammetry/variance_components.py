@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from app.geometry.plate_sigmas import LINEAR, SHIFT, PlateSigmas
 from app.photogrammetry.bundle_problem import CHUNK_SIGHTINGS, BundleProblem
 from app.photogrammetry.collinearity import (
     CAMERA_COLUMNS,
@@ -22,7 +23,7 @@ from app.photogrammetry.collinearity import (
 )
 from app.photogrammetry.inverse_parts import TargetPart, inverse_parts
 from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network
-from app.photogrammetry.plate_correlation import LINEAR, SHIFT, PlateSigmas, plate_basis
+from app.photogrammetry.plate_correlation import plate_basis
 from app.photogrammetry.reduced_system import ReducedSystem
 from app.photogrammetry.robust import RobustLoss
 

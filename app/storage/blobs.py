@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import astuple
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from app.geometry.observations import Detection, Rejected, TargetObservation
+from app.geometry.plate_sigmas import INDEPENDENT_DOTS, PlateSigmas
 
 Array = npt.NDArray[np.float64]
 STORED = np.dtype("<f8")
@@ -43,6 +45,7 @@ def blob_of_detection(detection: Detection) -> bytes:
         covariances_px2=np.array([target.covariances_px2 for target in targets]).reshape(-1, 16, 2, 2),
         measured=np.array([target.measured for target in targets], dtype=np.bool_).reshape(-1, 16),
         rms_px=np.array([target.rms_px for target in targets]),
+        plate_sigmas=np.array([astuple(target.plate_sigmas) for target in targets]).reshape(-1, 3),
         rejected=np.frombuffer(json.dumps([json_of_reject(item) for item in detection.rejected]).encode(), np.uint8),
     )
     return buffer.getvalue()
@@ -52,6 +55,8 @@ def detection_of_blob(blob: bytes) -> Detection:
     """The detection of ``blob_of_detection``, equal to the last bit."""
     with np.load(io.BytesIO(blob), allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files}
+    # Archives of earlier releases say nothing of shared errors.
+    sigmas = arrays.get("plate_sigmas", np.tile(astuple(INDEPENDENT_DOTS), (len(arrays["counts"]), 1)))
     targets = tuple(
         TargetObservation(
             code=int(counts[0]),
@@ -61,6 +66,7 @@ def detection_of_blob(blob: bytes) -> Detection:
             corrected=int(counts[1]),
             erased=int(counts[2]),
             rms_px=float(arrays["rms_px"][row]),
+            plate_sigmas=PlateSigmas(*sigmas[row].tolist()),
         )
         for row, counts in enumerate(arrays["counts"])
     )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from app.geometry.observations import Rejected, TargetObservation
+from app.geometry.plate_sigmas import PlateSigmas
 from app.targets.digits import Codes, digits_of_codes
 from app.targets.family import UNDECODABLE, CodeFamily
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS, DOT_COUNT
@@ -35,11 +36,14 @@ class ReadingOptions:
         then gives another code. Digits of blurred plates that were misread had up to 0.7.
     report_explained_min : float
         Groups that fail on colour are reported only if the plate's model explains this much of them: half.
+    plate_sigmas : PlateSigmas
+        How much of their errors a plate's dots share, as ``python -m benchmarks.plate_errors ROOM`` finds it.
     """
 
     confidence_min: float = 0.35
     sure_min: float = 0.7
     report_explained_min: float = 0.5
+    plate_sigmas: PlateSigmas = PlateSigmas(shift=1.5, linear=1.3, dots=0.85)
 
     def max_corrections(self, strictness: Strictness) -> int:
         """Misread digits that may be mended: none, one (then two or three wrong are still refused), or two."""
@@ -121,7 +125,8 @@ def read_plates(
         if not reason and code in targets:
             reason = "duplicate-code"
         if not reason:
-            targets[code] = _target(plates, plate, (code, corrected, erased), measured[plate])
+            found = _target(plates, plate, (code, corrected, erased), measured[plate])
+            targets[code] = replace(found, plate_sigmas=options.plate_sigmas)
         elif reason not in COLOUR_REASONS or explained[plate] > options.report_explained_min:
             rejected.append(_rejected(plates, plate, reason, code if reason == "duplicate-code" else None))
     return tuple(targets.values()), tuple(rejected)

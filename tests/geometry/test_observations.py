@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from app.geometry.observations import Detection, TargetObservation, observation_from_json, observation_to_json
+from app.geometry.plate_sigmas import PlateSigmas
 from app.targets.layout import DOT_COUNT
 
 
@@ -18,6 +19,7 @@ def an_observation(code: int = 389) -> TargetObservation:
         corrected=1,
         erased=2,
         rms_px=float(rng.random()),
+        plate_sigmas=PlateSigmas(1.6, 1.3, 0.8),
     )
 
 
@@ -28,7 +30,7 @@ def test_json_keeps_every_bit() -> None:
         written, read = getattr(observation, name), getattr(copy, name)
         np.testing.assert_array_equal(read, written)
         assert read.dtype == written.dtype
-    for name in ("code", "corrected", "erased", "rms_px"):
+    for name in ("code", "corrected", "erased", "rms_px", "plate_sigmas"):
         assert getattr(copy, name) == getattr(observation, name)
 
 

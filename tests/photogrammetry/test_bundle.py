@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from app.geometry.plate_sigmas import PlateSigmas
 from app.photogrammetry.bundle import BundleOptions, adjust_bundle
 from app.photogrammetry.bundle_normals import normal_equations, prior_cost, squared_residuals
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.equations import PointEquations, PoseEquations
 from app.photogrammetry.network import Network, NetworkStep
-from app.photogrammetry.plate_correlation import PlateSigmas
 from app.photogrammetry.reduced_system import Unknowns, photo_graph_tree, reduce_normals
 from app.photogrammetry.robust import RobustLoss
 from tests.photogrammetry.survey_scene import U_M, build_room, ring_of_stations

@@ -9,9 +9,9 @@ import numpy.typing as npt
 import pytest
 
 from app.geometry.camera import INTRINSIC_COUNT
+from app.geometry.plate_sigmas import PlateSigmas
 from app.photogrammetry.collinearity import CAMERA_COLUMNS, PRINT_COLUMNS, linearise, whitened_residuals
 from app.photogrammetry.network import POSE_COUNT, Network, NetworkStep
-from app.photogrammetry.plate_correlation import PlateSigmas
 from app.photogrammetry.sightings import Sightings
 from app.targets.layout import dot_centres_u
 from tests.photogrammetry.survey_scene import CAMERA, U_M

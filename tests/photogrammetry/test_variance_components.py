@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.geometry.plate_sigmas import PlateSigmas
 from app.photogrammetry.bundle import BundleOptions, adjust_bundle
 from app.photogrammetry.covariance import reduced_at
-from app.photogrammetry.plate_correlation import PlateModes, PlateSigmas, plate_basis
+from app.photogrammetry.plate_correlation import PlateModes, plate_basis
 from app.photogrammetry.sightings import Sightings
 from app.photogrammetry.variance_components import ComponentOptions, Components, estimate_components
 from tests.photogrammetry.survey_scene import build_room, ring_of_stations
