@@ -106,6 +106,12 @@ class SurveyFailed(ScattermarkError):
     slug = "survey-failed"
 
 
+class CalibrationFailed(ScattermarkError):
+    """Photographs that do not calibrate their camera; ``fields['reason']`` is a stable slug."""
+
+    slug = "calibration-failed"
+
+
 class NotLocated(ScattermarkError):
     """A snapshot without a trustworthy pose.
 
@@ -138,6 +144,12 @@ class TimedOut(ScattermarkError):
     """Work that outlasted its time limit."""
 
     slug = "timed-out"
+
+
+class SheetUnreadable(ScattermarkError):
+    """A sheet of targets that did not read back as what it should show; it is not delivered."""
+
+    slug = "sheet-unreadable"
 
 
 class WorkerCrashed(ScattermarkError):

@@ -28,6 +28,7 @@ POSITION, ROTATION = slice(0, 3), slice(3, POSE_COUNT)
 STATE_COUNT = POSE_COUNT + INTRINSIC_COUNT  # position (m), small rotation (rad), intrinsics in their prior's sigmas
 OWN_COUNT = 6  # a target's own position and rotation
 PIXEL_COUNT = 4  # of the intrinsics, fx, fy, cx and cy are in px
+LEAST_FOCAL_SHARE = 0.1  # of the prior's: a walk of many sigmas of a camera that is hardly known goes no further
 RIDGE = float(np.sqrt(np.finfo(np.float64).eps))  # under the accuracy of any normal matrix, above its rounding
 
 
@@ -54,8 +55,10 @@ class CameraPrior:
         return cls(calibrated.camera, sigmas[:, None] * axes * np.sqrt(np.maximum(variances, 0.0)))
 
     def camera_at(self, whitened: Array) -> Camera:
-        """The camera at whitened intrinsics of shape (9,)."""
-        return self.camera.with_intrinsics(self.camera.intrinsics + self.root @ whitened)
+        """The camera at whitened intrinsics of shape (9,); far outside of the prior its focal lengths stay positive."""
+        intrinsics = self.camera.intrinsics + self.root @ whitened
+        intrinsics[:2] = np.maximum(intrinsics[:2], LEAST_FOCAL_SHARE * self.camera.intrinsics[:2])
+        return self.camera.with_intrinsics(intrinsics)
 
     def image_plane_change(self, whitened: Array) -> float:
         """Greatest change of an intrinsic by a step of shape (9,), in units of the image plane (focal lengths)."""
@@ -130,7 +133,7 @@ def linearise(sighted: SightedTargets, prior: CameraPrior, state: State) -> Targ
     residuals_px, seen_from_front = np.empty((count, DOT_COUNT, 2)), np.empty(count, dtype=np.bool_)
     intrinsics = prior.camera_at(state.whitened).intrinsics
     place = (*_place(pose), intrinsics, np.ascontiguousarray(prior.root))
-    linearise_targets(place, sighted.arrays, (gram, reduced, residuals_px, seen_from_front))
+    linearise_targets(place, sighted.arrays, np.arange(count), (gram, reduced, residuals_px, seen_from_front))
     to_centres_m = sighted.centres_m - pose.position_m
     return TargetEquations(
         gram=gram,

@@ -16,7 +16,6 @@ from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.collinearity import CAMERA_COLUMNS, linearise
 from app.photogrammetry.network import POSE_COUNT, Network
-from app.photogrammetry.robust import RobustLoss
 
 Array = npt.NDArray[np.float64]
 
@@ -31,6 +30,12 @@ class CameraScatter:
     focal: float
     centre_px: Array
 
+    def covariance(self, camera: Camera) -> Array:
+        """How far a photograph's intrinsics are off the camera's, shape (9, 9)."""
+        variances = np.array([self.focal**2, *self.centre_px**2])
+        directions = _scattered(camera)
+        return np.asarray(directions * variances @ directions.T)
+
 
 @dataclass(frozen=True)
 class SelfCalibration:
@@ -40,74 +45,130 @@ class SelfCalibration:
     ----------
     calibrated : CalibratedCamera
         Covariance: posterior plus scatter.
+    of_network : ndarray of shape (9, 9)
+        What the adjustment says: the intrinsics' covariance if all photographs had the very same camera.
     posterior : ndarray of shape (9, 9)
-        Of the intrinsics that the adjustment found.
+        The same with what the photographs' scatter leaves in what they were adjusted to.
     scatter : CameraScatter
     photographs : int
         That took part.
     """
 
     calibrated: CalibratedCamera
+    of_network: Array
     posterior: Array
     scatter: CameraScatter
     photographs: int
 
 
-def self_calibrate(problem: BundleProblem, network: Network, border_covariance: Array) -> tuple[SelfCalibration, ...]:
-    """All cameras of an adjusted network; border covariance of shape (f, f), nine rows per camera first."""
+def self_calibrate(
+    problem: BundleProblem, network: Network, border_covariance: Array, target_covariances: Array | None = None
+) -> tuple[SelfCalibration, ...]:
+    """All cameras of an adjusted network.
+
+    Parameters
+    ----------
+    problem : BundleProblem
+    network : Network
+        Adjusted.
+    border_covariance : ndarray of shape (f, f)
+        Of the shared unknowns, nine rows per camera first.
+    target_covariances : ndarray of shape (T, 6, 6), optional
+        Of the adjusted targets, where they are not far better known than one photograph could tell.
+    """
+    shares = _photo_shares(problem, network, target_covariances)
     found = []
-    for camera, scatter in enumerate(camera_scatter(problem, network, BundleOptions().loss)):
+    for camera in range(len(problem.cameras)):
+        of_camera = problem.camera_of_photo == camera
         columns = problem.camera_columns(camera)
-        posterior = border_covariance[columns, columns]
-        calibrated = _calibrated(problem.camera_at(network, camera), posterior, scatter)
-        found.append(SelfCalibration(calibrated, posterior, scatter, int((problem.camera_of_photo == camera).sum())))
+        adjusted = problem.camera_at(network, camera)
+        scatter = _scatter_of(shares.select(of_camera), adjusted)
+        of_network = border_covariance[columns, columns]
+        posterior = of_network + _passed_on(shares.select(of_camera), of_network, scatter.covariance(adjusted))
+        calibrated = _calibrated(adjusted, posterior, scatter)
+        found.append(SelfCalibration(calibrated, of_network, posterior, scatter, int(of_camera.sum())))
     return tuple(found)
 
 
 def _calibrated(adjusted: Camera, posterior: Array, scatter: CameraScatter) -> CalibratedCamera:
-    focal_px = np.zeros(INTRINSIC_COUNT)
-    focal_px[:2] = scatter.focal * adjusted.intrinsics[:2]
-    covariance = posterior + np.outer(focal_px, focal_px)
-    covariance[[2, 3], [2, 3]] += scatter.centre_px**2
+    covariance = posterior + scatter.covariance(adjusted)
     return CalibratedCamera(adjusted, (covariance + covariance.T) / 2.0, "survey")
 
 
-def camera_scatter(problem: BundleProblem, network: Network, loss: RobustLoss) -> tuple[CameraScatter, ...]:
-    """Scatter of each camera between its photographs, targets held; zero with fewer than three photographs.
+@dataclass(frozen=True)
+class _PhotoShares:
+    """What each of P photographs by itself says of the intrinsics, its pose eliminated.
+
+    Attributes
+    ----------
+    information : ndarray of shape (P, 9, 9)
+    gradient : ndarray of shape (P, 9)
+    """
+
+    information: Array
+    gradient: Array
+
+    def select(self, chosen: npt.NDArray[np.bool_]) -> _PhotoShares:
+        """Some of the photographs."""
+        return _PhotoShares(self.information[chosen], self.gradient[chosen])
+
+
+def _photo_shares(problem: BundleProblem, network: Network, target_covariances: Array | None) -> _PhotoShares:
+    """Normal equations of each photograph; targets held, or free within their covariances."""
+    loss, count = BundleOptions().loss, POSE_COUNT + INTRINSIC_COUNT
+    normals = np.zeros((problem.sightings.photo_count, count + 1, count + 1))
+    for camera, chunk in problem.chunks():
+        part = problem.sightings.select(chunk)
+        equations = linearise(network, part, problem.camera_at(network, camera), problem.plane_m)
+        by_target = equations.jacobian[..., :POSE_COUNT]
+        by_pose = by_target @ equations.target_step_from_photo_step[:, None]
+        columns = [by_pose, equations.jacobian[..., CAMERA_COLUMNS], equations.residuals[..., None], by_target]
+        root_weight = np.sqrt(loss.weight((equations.residuals**2).sum(axis=-1)))[..., None, None]
+        rows = (np.concatenate(columns, axis=-1) * root_weight).reshape(len(part), -1, count + 1 + POSE_COUNT)
+        products = np.swapaxes(rows, -1, -2) @ rows
+        own, wanted = products[:, count + 1 :, count + 1 :], products[:, : count + 1, : count + 1]
+        if target_covariances is not None:
+            across = products[:, count + 1 :, : count + 1]
+            freed = own + np.linalg.inv(target_covariances[part.target])
+            wanted = wanted - np.swapaxes(across, -1, -2) @ np.linalg.solve(freed, across)
+        np.add.at(normals, part.photo, wanted)
+    pose = np.linalg.pinv(normals[:, :POSE_COUNT, :POSE_COUNT], hermitian=True)
+    across = normals[:, POSE_COUNT:, :POSE_COUNT]
+    reduced = normals[:, POSE_COUNT:, POSE_COUNT:] - across @ pose @ np.swapaxes(across, -1, -2)
+    return _PhotoShares(reduced[:, :INTRINSIC_COUNT, :INTRINSIC_COUNT], reduced[:, :INTRINSIC_COUNT, -1])
+
+
+def _scatter_of(shares: _PhotoShares, adjusted: Camera) -> CameraScatter:
+    """Scatter between a camera's photographs.
 
     Notes
     -----
     Each photograph estimates its own focal length and principal point beside its pose. Their variance beyond what
     noise gives is the method of moments of DerSimonian and Laird, Controlled Clinical Trials 7, 1986, eq. 8.
     """
-    offsets, variances = _own_estimates(problem, network, loss)
-    found = []
-    for camera in range(len(problem.cameras)):
-        of_camera = problem.camera_of_photo == camera
-        sigma = np.sqrt(_excess_variance(offsets[of_camera], variances[of_camera]))
-        found.append(CameraScatter(float(sigma[0]), sigma[1:]))
-    return tuple(found)
+    directions = _scattered(adjusted)
+    information = directions.T @ shares.information @ directions
+    inverse = np.linalg.pinv(information, hermitian=True)
+    offsets = -(inverse @ (shares.gradient @ directions)[..., None])[..., 0]
+    sigma = np.sqrt(_excess_variance(offsets, np.diagonal(inverse, axis1=1, axis2=2)))
+    return CameraScatter(float(sigma[0]), sigma[1:])
 
 
-def _own_estimates(problem: BundleProblem, network: Network, loss: RobustLoss) -> tuple[Array, Array]:
-    """What each photograph would add to the three values, and the variances of that, shapes (P, 3)."""
-    count = POSE_COUNT + SCATTERED_COUNT
-    normals = np.zeros((problem.sightings.photo_count, count + 1, count + 1))
-    for camera, chunk in problem.chunks():
-        part = problem.sightings.select(chunk)
-        equations = linearise(network, part, problem.camera_at(network, camera), problem.plane_m)
-        by_camera = equations.jacobian[..., CAMERA_COLUMNS]
-        by_pose = equations.jacobian[..., :POSE_COUNT] @ equations.target_step_from_photo_step[:, None]
-        by_log_focal = by_camera[..., :2] @ network.intrinsics[camera, :2]
-        rows = np.concatenate(
-            [by_pose, by_log_focal[..., None], by_camera[..., 2:4], equations.residuals[..., None]], axis=-1
-        )
-        weight = loss.weight((equations.residuals**2).sum(axis=-1))
-        rows = (rows * np.sqrt(weight)[..., None, None]).reshape(len(part), -1, count + 1)
-        np.add.at(normals, part.photo, np.swapaxes(rows, -1, -2) @ rows)
-    inverse = np.linalg.pinv(normals[:, :count, :count], hermitian=True)
-    offsets = -(inverse @ normals[:, :count, count:])[:, POSE_COUNT:, 0]
-    return offsets, np.diagonal(inverse, axis1=1, axis2=2)[:, POSE_COUNT:]
+def _passed_on(shares: _PhotoShares, of_network: Array, scatter: Array) -> Array:
+    """Covariance, shape (9, 9), that a scatter of (9, 9) between photographs leaves in what they were adjusted to.
+
+    A photograph whose intrinsics are off by d pulls the adjusted ones by ``of_network @ its information @ d``.
+    """
+    pulls = of_network @ shares.information
+    return np.asarray((pulls @ scatter @ np.swapaxes(pulls, -1, -2)).sum(axis=0))
+
+
+def _scattered(adjusted: Camera) -> Array:
+    """Derivative of the intrinsics by log focal length, cx and cy, shape (9, 3)."""
+    directions = np.zeros((INTRINSIC_COUNT, SCATTERED_COUNT))
+    directions[:2, 0] = adjusted.intrinsics[:2]
+    directions[2, 1] = directions[3, 2] = 1.0
+    return directions
 
 
 def _excess_variance(offsets: Array, variances: Array) -> Array:

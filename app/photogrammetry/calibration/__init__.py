@@ -1,0 +1,1 @@
+"""A camera calibrated by photographing a mapped site: resect each photograph, adjust all, say what is carried."""
