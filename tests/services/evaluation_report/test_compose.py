@@ -55,10 +55,6 @@ ALIGNMENT: tuple[Told, ...] = (
     ("Translation X, m", lambda e: e.alignment.site_from_estimate.translation_m[0]),
     ("Translation Z, m", lambda e: e.alignment.site_from_estimate.translation_m[2]),
 )
-ABSOLUTE: tuple[Told, ...] = (
-    ("Position, RMSE, m", lambda e: e.pose_errors.absolute["trans"].rms),
-    ("Position, greatest, m", lambda e: e.pose_errors.absolute["trans"].greatest),
-)
 AVAILABILITY: tuple[Told, ...] = (
     ("Pairs", lambda e: len(e.pairs)),
     ("Poses of the system", lambda e: e.pairs.estimate_count),
@@ -81,7 +77,6 @@ def numbers(text: str) -> list[float]:
     [
         ("Accuracy in the terms of ISO/IEC 18305", ACCURACY),
         ("EvAAL", EVAAL),
-        ("Absolute pose error (APE)", ABSOLUTE),
         ("Clock and alignment", ALIGNMENT),
         ("Availability", AVAILABILITY),
     ],
@@ -98,11 +93,12 @@ def test_each_number_is_the_evaluations(
 
 
 def test_intervals_are_told_with_their_ends(report: Document, material: ReportMaterial) -> None:
-    table = table_of(report, "Errors in space with confidence intervals")
-    for name, evaluation in material.evaluations.items():
-        intervals = evaluation.intervals
-        for row, interval in enumerate((intervals.mean, intervals.rms, intervals.median, intervals.quantile_95)):
-            told = numbers(cells(table, row)["", name])
+    table = table_of(report, "Confidence intervals")
+    for row, (name, evaluation) in enumerate(material.evaluations.items()):
+        intervals, told_of = evaluation.intervals, cells(table, row)
+        assert told_of["", "System"] == name
+        for title, interval in (("Mean", intervals.mean), ("RMS", intervals.rms), ("SE95", intervals.quantile_95)):
+            told = numbers(told_of["Errors in space (interval), m", title])
             assert told == pytest.approx([interval.value, interval.low, interval.high], abs=HALF_DIGIT)
 
 
@@ -115,19 +111,20 @@ def test_orientations_are_told_where_there_are_any(report: Document, material: R
     assert row["", "Wi-Fi"] == "–"  # noqa: RUF001 - an en dash
 
 
-def test_motions_are_told_where_there_are_orientations(report: Document, material: ReportMaterial) -> None:
-    table = table_of(report, "Relative pose error (RPE)")
-    labels = [row[0] for row in table.rows]
-    found = material.evaluations["UWB"].pose_errors.relative
-    for label, value in (
-        ("Position per frame, RMSE, m", found["frames"]["trans"].rms),
-        ("Orientation per second, median, degrees", found["seconds"]["rot_deg"].median),
-        ("Full pose per metre, mean", found["metres"]["full"].mean),
-        ("Stretches of one metre", found["metres"]["trans"].count),
-    ):
-        row = cells(table, labels.index(label))
-        assert number(row["", "UWB"]) == pytest.approx(value, abs=0.51e-3), label
-        assert row["", "Wi-Fi"] == "–"  # noqa: RUF001 - an en dash
+def test_pose_errors_are_told_system_by_system(report: Document, material: ReportMaterial) -> None:
+    table = table_of(report, "Absolute and relative pose errors")
+    told = {(row[0], row[1]): cells(table, index) for index, row in enumerate(table.rows)}
+    assert len(told) == 4 * len(material.evaluations)
+    found = material.evaluations["UWB"].pose_errors
+    for error, parts in (("APE", found.absolute), ("RPE per metre", found.relative["metres"])):
+        row = told["UWB", error]
+        assert number(row["", "Count"]) == parts["trans"].count
+        assert number(row["Position, m", "RMSE"]) == pytest.approx(parts["trans"].rms, abs=HALF_DIGIT)
+        assert number(row["Position, m", "Greatest"]) == pytest.approx(parts["trans"].greatest, abs=HALF_DIGIT)
+        assert number(row["Orientation, degrees", "Median"]) == pytest.approx(parts["rot_deg"].median, abs=0.51e-3)
+        assert number(row["Full pose", "RMSE"]) == pytest.approx(parts["full"].rms, abs=HALF_DIGIT)
+    assert told["Wi-Fi", "APE"]["Orientation, degrees", "RMSE"] == "–"  # noqa: RUF001 - an en dash
+    assert told["Wi-Fi", "RPE per second"]["", "Count"] == "–"  # noqa: RUF001
 
 
 def test_the_rotation_of_the_alignment_is_told(report: Document, material: ReportMaterial) -> None:

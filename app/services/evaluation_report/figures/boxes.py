@@ -21,7 +21,7 @@ from app.trajectories.metrics.zones import rows_by_zone
 
 Array = npt.NDArray[np.float64]
 
-TOP, RIGHT, FOOT = 6.0, 10.0, 34.0
+TOP, RIGHT, FOOT = 6.0, 16.0, 34.0
 LEAST_LEFT, NAME_GAP = 60.0, 8.0
 ROW, GROUP_GAP = 17.0, 8.0
 BOX, CAP = 5.0, 3.0  # half heights
@@ -56,7 +56,9 @@ def boxes(material: ReportMaterial) -> Figure:
     left = max(LEAST_LEFT, NAME_GAP + LETTER_WIDTH * NAME_SIZE * max(len(row.label) for row in rows))
     tops = _tops(rows)
     size = np.array([WIDTH - left - RIGHT, tops[-1] + ROW])
-    axes = Axes(np.zeros(2), np.array([reach.end, 1.0]), np.array([left, TOP]), size)
+    axes = Axes(
+        np.zeros(2), np.array([reach.end, 1.0]), np.array([left, TOP]), size, SPATIAL.unit_up_to(reach.end).per_base
+    )
     shapes = _ground(axes)
     for row, top in zip(rows, tops, strict=True):
         shapes += _box(axes, row, TOP + top + ROW / 2.0)
@@ -102,9 +104,10 @@ def _tops(rows: list[_Row]) -> list[float]:
 
 def _ground(axes: Axes) -> list[Shape]:
     step = nice_step(0.0, float(axes.high[0]), STEPS)
-    across, _ = axes.titles(SPATIAL.title, "", 0.0)
+    unit = SPATIAL.unit_up_to(float(axes.high[0]))
+    across, _ = axes.titles(SPATIAL.along(unit), "", 0.0)
     frame = rectangle(axes.corner, axes.corner + axes.size, FRAME)
-    return [*axes.grid(0, step, digits_of_step(step)), frame, across]
+    return [*axes.grid(0, step, digits_of_step(step * unit.per_base)), frame, across]
 
 
 def _box(axes: Axes, row: _Row, middle: float) -> list[Shape]:

@@ -9,6 +9,7 @@ from app.services.evaluation_report.look import CHI2_95_2D, FRAME, WIDTH
 from app.services.evaluation_report.numbers import error_m
 from app.services.evaluation_report.reach import Reach, reach_of
 from app.services.evaluation_report.thinning import distinct_rows
+from app.services.evaluation_report.units import Unit, length_unit
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ellipse, Ink, Path, Pen, Shape, line, rectangle
 from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
@@ -19,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 CORNER = np.array([48.0, 10.0])
 BETWEEN = 64.0
-SIDE = (WIDTH - CORNER[0] - BETWEEN - 10.0) / 2.0
+SIDE = (WIDTH - CORNER[0] - BETWEEN - 16.0) / 2.0
 FOOT = 34.0
 STEPS = 4
 DOT = 1.1  # radius of a point
@@ -37,14 +38,15 @@ def components(evaluation: Evaluation, ink: Ink) -> Figure:
     """Errors along X and Y, and along X and Z, each with bias and covariance."""
     vectors_m = evaluation.errors.vectors_m
     reach = reach_of([np.abs(vectors_m).ravel()])
+    unit = length_unit(reach.end)
     shapes: list[Shape] = []
     merges = False
     for panel, plane in enumerate(PLANES):
         corner = CORNER + np.array([panel * (SIDE + BETWEEN), 0.0])
-        axes = Axes(np.full(2, -reach.end), np.full(2, reach.end), corner, np.full(2, SIDE))
+        axes = Axes(np.full(2, -reach.end), np.full(2, reach.end), corner, np.full(2, SIDE), unit.per_base)
         dots = _dots(axes, vectors_m[:, plane], ink)
         merges |= len(dots) < int(_inside(axes, vectors_m[:, plane]).sum())
-        shapes += [*_grid(axes, plane), *dots, *_bias_and_spread(axes, evaluation, plane)]
+        shapes += [*_grid(axes, plane, unit), *dots, *_bias_and_spread(axes, evaluation, plane)]
     drawing = Drawing(WIDTH, float(CORNER[1]) + SIDE + FOOT, tuple(shapes))
     bias = ", ".join(error_m(value) for value in evaluation.accuracy.bias_m.tolist())
     description = f"Errors along the axes and their ellipse; bias {bias} m along X, Y, Z."
@@ -60,13 +62,14 @@ def _caption(reach: Reach, merges: bool, total: int) -> str:
     )
 
 
-def _grid(axes: Axes, plane: tuple[int, int]) -> list[Shape]:
+def _grid(axes: Axes, plane: tuple[int, int], unit: Unit) -> list[Shape]:
     step = nice_step(0.0, 2.0 * float(axes.high[0]), STEPS)
-    across, up = (f"{AXES[axis]} error, m" for axis in plane)
+    digits = digits_of_step(step * unit.per_base)
+    across, up = (f"{AXES[axis]} error, {unit.name}" for axis in plane)
     middle, right, top = axes.place(np.array([[0.0, 0.0], [axes.high[0], 0.0], [0.0, axes.high[1]]]))
     return [
-        *axes.grid(0, step, digits_of_step(step)),
-        *axes.grid(1, step, digits_of_step(step)),
+        *axes.grid(0, step, digits),
+        *axes.grid(1, step, digits),
         line(2 * middle - right, right, AXIS),
         line(2 * middle - top, top, AXIS),
         rectangle(axes.corner, axes.corner + axes.size, FRAME),

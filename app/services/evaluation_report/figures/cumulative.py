@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -22,9 +23,9 @@ Evaluations = Mapping[str, Evaluation]
 
 CORNER = np.array([44.0, 10.0])
 HEIGHT, SMALL_HEIGHT = 200.0, 130.0
-RIGHT = 10.0
+RIGHT = 24.0  # of a panel: names of levels
 FOOT = 44.0  # below a panel: numbers, title, key
-BETWEEN = 50.0
+BETWEEN = 62.0
 BELOW_KEY = 8.0  # of the last line of the key nothing stands below the baseline
 MOST_POINTS = 1001  # of a curve: every 0.1 %
 LINES = (0.5, 0.75, 0.95)
@@ -75,7 +76,7 @@ def _figure(strokes: Mapping[str, Pen], panels: list[Shape], height: float, capt
 
 def _caption(measures: tuple[Measure, ...], reaches: tuple[Reach, ...]) -> str:
     which = " and of ".join(measure.words for measure in measures)
-    far = (reach.said_of(measure.words, measure.unit) for measure, reach in zip(measures, reaches, strict=True))
+    far = (reach.said_of(measure.words, measure.unit.name) for measure, reach in zip(measures, reaches, strict=True))
     return f"Cumulative distribution of {which}; circles where a curve meets 50, 75 and 95 %.{''.join(far)}"
 
 
@@ -83,14 +84,16 @@ def _panel(evaluations: Evaluations, measure: Measure, frame: tuple[Array, Array
     told = {name: measure.of(evaluation) for name, evaluation in evaluations.items()}
     series = {name: sizes for name, sizes in told.items() if len(sizes)}
     reach = reach_of(list(series.values()))
+    unit = measure.unit_up_to(reach.end)
     axes = Axes(np.zeros(2), np.array([reach.end, PERCENT]), *frame)
+    across = replace(axes, written=unit.per_base)
     step = nice_step(0.0, reach.end, round(float(axes.size[0]) / LEAST_STEP))
     shapes: list[Shape] = [
-        *axes.grid(0, step, digits_of_step(step)),
+        *across.grid(0, step, digits_of_step(step * unit.per_base)),
         *axes.grid(1, UP_STEP, 0),
         *(shape for share in LINES for shape in _line(axes, share)),
         rectangle(axes.corner, axes.corner + axes.size, FRAME),
-        *axes.titles(measure.title, "share of pairs, %", TITLE_LEFT),
+        *axes.titles(measure.along(unit), "share of pairs, %", TITLE_LEFT),
     ]
     for name, pen in pens(list(evaluations)).items():
         shapes += _curve(axes, series[name], pen) if name in series else []
@@ -98,9 +101,9 @@ def _panel(evaluations: Evaluations, measure: Measure, frame: tuple[Array, Array
 
 
 def _line(axes: Axes, share: float) -> list[Shape]:
-    """A level across the panel, named below its right end, where curves have passed."""
+    """A level across the panel, named to its right, where no curve passes."""
     ends = axes.place(np.array([[0.0, PERCENT * share], [axes.high[0], PERCENT * share]]))
-    name = Label(ends[1] + np.array([-2.0, 7.0]), f"{PERCENT * share:.0f} %", "muted", 6.5, "end")
+    name = Label(ends[1] + np.array([3.0, 2.3]), f"{PERCENT * share:.0f} %", "muted", 6.5)
     return [line(ends[0], ends[1], LINE), name]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -12,18 +14,20 @@ from app.services.evaluation_report.reach import reach_of
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ink, Label, Pen, Shape, line, rectangle
 from app.services.reporting.figures.axes import Axes, digits_of_step, nice_step
+from app.services.reporting.figures.labels import LETTER_WIDTH
 from app.services.reporting.numbers import count, fixed, nice_below
 from app.trajectories.evaluation import Evaluation
 
 Array = npt.NDArray[np.float64]
 
 CORNER = np.array([44.0, 18.0])
-SIZE = np.array([WIDTH - 54.0, 120.0])
+SIZE = np.array([WIDTH - 60.0, 120.0])
 FOOT = 30.0
 BAR_SHARE = 0.92
 FEWEST_BINS, MOST_BINS = 8, 40
 ACROSS_STEPS, UP_STEPS = 5, 3
 LEVEL = Pen("ink", 0.9, dash=(3.0, 2.0))
+LEVEL_SIZE, LEVEL_GAP = 6.5, 6.0
 TITLE_LEFT = 32.0
 HEADROOM = 1.08
 
@@ -59,11 +63,12 @@ def _edges_m(sizes_m: Array, end_m: float) -> Array:
 
 def _grid(axes: Axes) -> list[Shape]:
     across = nice_step(0.0, float(axes.high[0]), ACROSS_STEPS)
+    unit = SPATIAL.unit_up_to(float(axes.high[0]))
     up = max(1.0, nice_step(0.0, float(axes.high[1]), UP_STEPS))
     return [
-        *axes.grid(0, across, digits_of_step(across)),
+        *replace(axes, written=unit.per_base).grid(0, across, digits_of_step(across * unit.per_base)),
         *axes.grid(1, up, 0),
-        *axes.titles(SPATIAL.title, "pairs", TITLE_LEFT),
+        *axes.titles(SPATIAL.along(unit), "pairs", TITLE_LEFT),
     ]
 
 
@@ -80,11 +85,23 @@ def _bars(axes: Axes, counts: npt.NDArray[np.intp], edges_m: Array, ink: Ink) ->
 
 
 def _levels(axes: Axes, evaluation: Evaluation) -> list[Shape]:
-    """SE50 and SE95, each named above the frame."""
+    """SE50 and SE95, each named above the frame, the names beside each other however near the levels are."""
     spatial = evaluation.accuracy.spatial
-    shapes: list[Shape] = []
-    for name, level_m in (("SE50", spatial.median), ("SE95", spatial.quantile_95)):
-        foot, top = axes.place(np.array([[level_m, 0.0], [level_m, axes.high[1]]]))
-        shapes.append(line(foot, top, LEVEL))
-        shapes.append(Label(top + np.array([0.0, -4.0]), f"{name} {error_m(level_m)} m", "ink", 6.5, "middle"))
-    return shapes
+    levels_m = np.array([spatial.median, spatial.quantile_95])
+    foot = axes.place(np.column_stack([levels_m, np.zeros(2)]))
+    top = axes.place(np.column_stack([levels_m, np.full(2, axes.high[1])]))
+    texts = [f"{name} {error_m(level_m)} m" for name, level_m in zip(("SE50", "SE95"), levels_m.tolist(), strict=True)]
+    widths = LETTER_WIDTH * LEVEL_SIZE * np.array([len(text) for text in texts])
+    names = [
+        Label(np.array([x, axes.corner[1] - 4.0]), text, "ink", LEVEL_SIZE, "middle")
+        for x, text in zip(_apart(axes, top[:, 0], widths), texts, strict=True)
+    ]
+    return [*(line(low, high, LEVEL) for low, high in zip(foot, top, strict=True)), *names]
+
+
+def _apart(axes: Axes, middles: Array, widths: Array) -> tuple[float, float]:
+    """Middles of two texts, moved so that they stand within the frame and not in each other."""
+    least, most = axes.corner[0] + widths[0] / 2.0, axes.corner[0] + axes.size[0] - widths[1] / 2.0
+    step = widths.sum() / 2.0 + LEVEL_GAP
+    second = min(max(middles[1], least + step), most)
+    return float(min(max(middles[0], least), second - step)), float(second)

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from app.services.evaluation_report.units import DEGREES, METRES, Unit, length_unit
 from app.trajectories.evaluation import Evaluation
 
 Array = npt.NDArray[np.float64]
@@ -21,7 +22,15 @@ class Measure:
     part: Part
     title: str
     words: str
-    unit: str = "m"
+    unit: Unit = METRES
+
+    def unit_up_to(self, end: float) -> Unit:
+        """The unit of an axis that goes so far."""
+        return length_unit(end) if self.unit is METRES else self.unit
+
+    def along(self, unit: Unit) -> str:
+        """The title of an axis."""
+        return f"{self.title}, {unit.name}"
 
     def of(self, evaluation: Evaluation) -> Array:
         """Sizes in the measure's unit, shape (K,); none for rotations when there are no orientations."""
@@ -34,7 +43,7 @@ class Measure:
         return errors.vertical_m if self.part == "vertical" else errors.spatial_m
 
 
-HORIZONTAL = Measure("horizontal", "horizontal error, m", "errors in the plan")
-VERTICAL = Measure("vertical", "vertical error, m", "errors in height")
-SPATIAL = Measure("spatial", "3-D error, m", "errors in space")
-ROTATION = Measure("rotation", "rotation error, degrees", "errors of orientation", "degrees")
+HORIZONTAL = Measure("horizontal", "horizontal error", "errors in the plan")
+VERTICAL = Measure("vertical", "vertical error", "errors in height")
+SPATIAL = Measure("spatial", "3-D error", "errors in space")
+ROTATION = Measure("rotation", "rotation error", "errors of orientation", DEGREES)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,7 @@ from app.trajectories.metrics.errors import Errors
 Array = npt.NDArray[np.float64]
 
 CORNER = np.array([48.0, 10.0])
-SIZE = np.array([WIDTH - 58.0, 100.0])
+SIZE = np.array([WIDTH - 64.0, 100.0])
 BETWEEN, FOOT = 16.0, 30.0
 MOST = 2000  # pairs drawn: four a point
 DOTS_UP_TO = 150  # pairs that are told apart: each has a dot
@@ -100,7 +100,7 @@ def _caption(panels: tuple[_Panel, ...], reaches: list[Reach], thinned: str) -> 
     triangles = " Triangles point to them." if any(reach.beyond for reach in reaches) else ""
     measures = [panel.measure for panel in panels]
     beyond = "".join(
-        reach.said_of(measure.words, measure.unit) for reach, measure in zip(reaches, measures, strict=True)
+        reach.said_of(measure.words, measure.unit.name) for reach, measure in zip(reaches, measures, strict=True)
     )
     turned = "; angle of rotation" if ROTATION in measures else ""
     series = f"Errors over time since the first pair: size in the plan; sign and size in height{turned}."
@@ -139,14 +139,15 @@ def _ground(axes: Axes, panel: _Panel, across: str) -> list[Shape]:
     """What a series is drawn on."""
     step = nice_step(0.0, float(axes.high[0]), ACROSS_STEPS)
     up = nice_step(float(axes.low[1]), float(axes.high[1]), UP_STEPS)
+    unit = panel.measure.unit_up_to(float(axes.high[1]))
     lines = axes.grid(0, step, digits_of_step(step))
     zero = axes.place(np.array([[axes.low[0], 0.0], [axes.high[0], 0.0]]))
     return [
         *(shape for shape in lines if across or isinstance(shape, Path)),  # numbers stand below the lower panel
-        *axes.grid(1, up, digits_of_step(up)),
+        *replace(axes, written=unit.per_base).grid(1, up, digits_of_step(up * unit.per_base)),
         line(zero[0], zero[1], ZERO),
         rectangle(axes.corner, axes.corner + axes.size, FRAME),
-        *axes.titles(across, panel.measure.title, TITLE_LEFT)[0 if across else 1 :],
+        *axes.titles(across, panel.measure.along(unit), TITLE_LEFT)[0 if across else 1 :],
     ]
 
 

@@ -8,6 +8,7 @@ from typing import get_args
 import numpy as np
 import numpy.typing as npt
 
+from app.services.evaluation_report.units import length_unit
 from app.services.reporting.drawing import Pen, Shape, Size
 from app.services.reporting.figures.axes import digits_of_step
 from app.services.reporting.figures.key import key, key_height
@@ -39,8 +40,14 @@ class ClassScale:
     @property
     def entries(self) -> list[tuple[Pen, str]]:
         """Classes and their names."""
-        told = [fixed(limit, digits_of_step(float(self.limits_m[0]))) for limit in self.limits_m.tolist()]
-        names = [f"up to {told[0]} m", *(f"to {limit}" for limit in told[1:]), f"above {told[-1]} m"]
+        unit = length_unit(float(self.limits_m[-1]))
+        digits = digits_of_step(float(self.limits_m[0]) * unit.per_base)
+        told = [fixed(limit * unit.per_base, digits) for limit in self.limits_m.tolist()]
+        names = [
+            f"up to {told[0]} {unit.name}",
+            *(f"to {limit}" for limit in told[1:]),
+            f"above {told[-1]} {unit.name}",
+        ]
         return [(self.pen(index), name) for index, name in enumerate(names)]
 
 
@@ -59,9 +66,15 @@ def _bars(at: Array, scale: ClassScale) -> list[Shape]:
     """A length of the plan; one of errors where these are enlarged."""
     plan_m = nice_below(BAR / scale.points_per_m)
     both = "in the plan and of errors" if scale.enlargement == 1.0 else "in the plan"
-    shapes = scale_bar(at, plan_m * scale.points_per_m, f"{plan_m:g} m {both}", "ink")
+    shapes = scale_bar(at, plan_m * scale.points_per_m, f"{_length(plan_m)} {both}", "ink")
     if scale.enlargement > 1.0:
         per_m = scale.enlargement * scale.points_per_m
         error_m = nice_below(BAR / per_m)
-        shapes += scale_bar(at + np.array([BARS_APART, 0.0]), error_m * per_m, f"{error_m:g} m of errors", "ink")
+        shapes += scale_bar(at + np.array([BARS_APART, 0.0]), error_m * per_m, f"{_length(error_m)} of errors", "ink")
     return shapes
+
+
+def _length(value_m: float) -> str:
+    """A round length and its unit."""
+    unit = length_unit(value_m)
+    return f"{value_m * unit.per_base:g} {unit.name}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,9 +10,11 @@ import numpy.typing as npt
 from app.services.evaluation_report.figures.plan_key import SIZES, ClassScale, plan_key, plan_key_height
 from app.services.evaluation_report.look import FRAME, WIDTH
 from app.services.evaluation_report.thinning import Rows, distinct_rows, moved_rows, spread_rows, unbroken, usual_gap_s
+from app.services.evaluation_report.units import length_unit
 from app.services.reporting.document import Figure
 from app.services.reporting.drawing import Drawing, Ellipse, Label, Path, Pen, Shape, arrow, line, rectangle
 from app.services.reporting.figures.axes import digits_of_step, nice_step, plan_axes
+from app.services.reporting.figures.labels import legible
 from app.services.reporting.numbers import count, fixed, nice_below
 from app.trajectories.evaluation import Evaluation
 from app.trajectories.metrics.zones import Zone
@@ -47,7 +49,7 @@ class PlanOptions:
 
 
 CORNER = np.array([48.0, 10.0])
-RIGHT = 10.0
+RIGHT = 16.0
 FOOT = 34.0
 USUAL = 0.95
 LEAST_STEP_M = 1e-4  # between classes: what tables still tell
@@ -93,6 +95,7 @@ class _Plan:
         tips_m = (self.places_m + self.errors.vectors_m[:, :2])[sizes_m <= usual_m]
         extent_m = np.concatenate([self.places_m, tips_m, *(zone.corners_m for zone in zones)])
         self.axes = plan_axes(extent_m, CORNER, np.array([WIDTH - CORNER[0] - RIGHT, options.height]))
+        self.unit = length_unit(float(np.abs([self.axes.low, self.axes.high]).max()))
         length = usual_m * float(self.axes.points_per_unit[0])
         self.enlargement = max(1.0, nice_below(options.vector / length)) if length > 0 else 1.0
         self.limits_m = class_limits_m(sizes_m)
@@ -130,22 +133,23 @@ class _Plan:
 
     def _ground(self) -> list[Shape]:
         step = nice_step(0.0, float((self.axes.high - self.axes.low).max()), GRID_COUNT)
-        digits = digits_of_step(step)
+        axes = replace(self.axes, written=self.unit.per_base)
+        digits = digits_of_step(step * self.unit.per_base)
         return [
-            *self.axes.grid(0, step, digits),
-            *self.axes.grid(1, step, digits),
+            *axes.grid(0, step, digits),
+            *axes.grid(1, step, digits),
             rectangle(self.axes.corner, self.axes.corner + self.axes.size, FRAME),
-            *self.axes.titles("X, m", "Y, m", TITLE_LEFT),
+            *self.axes.titles(f"X, {self.unit.name}", f"Y, {self.unit.name}", TITLE_LEFT),
         ]
 
     def _zones(self) -> list[Shape]:
-        shapes: list[Shape] = []
+        outlines, names = [], []
         for zone in self.zones:
             corners = self.axes.place(zone.corners_m)
             highest = corners[np.lexsort((corners[:, 0], corners[:, 1]))[0]]
-            shapes.append(Path(corners, ZONE, closed=True))
-            shapes.append(Label(highest + np.array([4.0, ZONE_NAME + 3.0]), zone.name, "muted", ZONE_NAME))
-        return shapes
+            outlines.append(Path(corners, ZONE, closed=True))
+            names.append(Label(highest + np.array([4.0, ZONE_NAME + 3.0]), zone.name, "muted", ZONE_NAME))
+        return [*outlines, *legible(names)]
 
     def _path(self) -> list[Shape]:
         """The reference, broken where it was away."""

@@ -9,7 +9,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from app.geometry.pose import Pose
-from app.services.evaluation_report.numbers import error_m, interval_m, percent
+from app.services.evaluation_report.numbers import error_m, percent
 from app.services.reporting.document import Column, Table
 from app.services.reporting.numbers import MISSING, count, fixed
 from app.trajectories.evaluation import Evaluation
@@ -18,7 +18,6 @@ from app.trajectories.metrics.summary import Summary
 Row = tuple[str, Callable[[Evaluation], str]]
 
 AXES = "XYZ"
-MOST_UPRIGHT = 4  # systems whose columns of intervals fit an upright page
 SECOND_DIGITS, DEGREE_DIGITS, QUATERNION_DIGITS, SCALE_DIGITS, SQUARE_DIGITS = 4, 3, 6, 6, 6
 
 
@@ -94,13 +93,6 @@ ACCURACY: tuple[Row, ...] = (
     ("RMS rotation, degrees", partial(_degrees, lambda s: s.rms)),
     ("Rotation at 95 %, degrees", partial(_degrees, lambda s: s.quantile_95)),
     ("Right storey, %", _floors),
-)
-INTERVALS: tuple[Row, ...] = (
-    ("Mean, m", lambda e: interval_m(e.intervals.mean)),
-    ("RMS, m", lambda e: interval_m(e.intervals.rms)),
-    ("Median (SE50), m", lambda e: interval_m(e.intervals.median)),
-    ("SE95, m", lambda e: interval_m(e.intervals.quantile_95)),
-    ("Errors kept together", lambda e: count(e.intervals.mean.block)),
 )
 EVAAL: tuple[Row, ...] = (
     ("Third quartile (score), m", lambda e: error_m(e.evaal.quantile_75)),

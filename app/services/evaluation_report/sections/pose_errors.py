@@ -2,83 +2,63 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from app.services.evaluation_report.material import ReportMaterial
 from app.services.evaluation_report.numbers import error_m
-from app.services.evaluation_report.sections.metric_table import DEGREE_DIGITS, MOST_UPRIGHT, Row, metric_table
-from app.services.reporting.document import Section
+from app.services.evaluation_report.sections.metric_table import DEGREE_DIGITS
+from app.services.reporting.document import Column, Section, Table
 from app.services.reporting.numbers import MISSING, count, fixed
-from app.trajectories.evaluation import Evaluation
 from app.trajectories.metrics.absolute_pose_error import Part
+from app.trajectories.metrics.pose_errors import PoseErrors
 from app.trajectories.metrics.relative_pose_error import Unit
 from app.trajectories.metrics.summary import Summary
 
-Statistic = str
 FULL_DIGITS = 4
-PARTS: tuple[tuple[Part, str, str], ...] = (
-    ("trans", "Position", ", m"),
-    ("rot_deg", "Orientation", ", degrees"),
-    ("full", "Full pose", ""),
+ABSOLUTE = "APE"
+RELATIVE: tuple[tuple[Unit, str], ...] = (
+    ("frames", "RPE per frame"),
+    ("metres", "RPE per metre"),
+    ("seconds", "RPE per second"),
 )
-STRETCHES: tuple[tuple[Unit, str], ...] = (("frames", "frame"), ("metres", "metre"), ("seconds", "second"))
-STATISTICS: tuple[tuple[Statistic, str], ...] = (
-    ("rms", "RMSE"),
-    ("mean", "mean"),
-    ("median", "median"),
-    ("std", "standard deviation"),
-    ("greatest", "greatest"),
+STATISTICS = ("RMSE", "Mean", "Median", "Greatest")
+COLUMNS = (
+    Column("System", align="left"),
+    Column("Error", align="left"),
+    Column("Count"),
+    *(Column(name, "Position, m") for name in STATISTICS),
+    *(Column(name, "Orientation, degrees") for name in STATISTICS),
+    Column("RMSE", "Full pose"),
 )
-OF_STRETCHES = STATISTICS[:3]
-ABSOLUTE_NOTE = "Each aligned pose against the reference's (Sturm et al., 2012); the full pose is without unit."
-RELATIVE_NOTE = (
-    "Motion over one stretch after the other against the reference's motion: from pair to pair, and over the first "
-    "pairs that are a metre of the reference's path, or a second, apart."
+NOTE = (
+    "APE: each aligned pose against the reference's. RPE: motion over one stretch after the other against the "
+    "reference's motion, from pair to pair, or between pairs that are a metre of the reference's path, or a second, "
+    "apart (Sturm et al., IROS 2012). The full pose has no unit. A dash: no orientations, or a walk without a stretch."
 )
 
 
 def pose_errors(material: ReportMaterial) -> Section:
-    """APE and RPE; a dash where orientations are missing or the walk is shorter than a stretch."""
-    evaluations = material.evaluations
-    tables = (
-        metric_table("Absolute pose error (APE)", evaluations, ABSOLUTE, ABSOLUTE_NOTE),
-        metric_table("Relative pose error (RPE)", evaluations, RELATIVE, RELATIVE_NOTE),
+    """APE and RPE of all systems."""
+    rows = tuple(
+        (name, *row) for name, evaluation in material.evaluations.items() for row in _rows(evaluation.pose_errors)
     )
-    return Section("Pose errors", tables, wide=len(evaluations) > MOST_UPRIGHT)
+    return Section("Pose errors", (Table("Absolute and relative pose errors", COLUMNS, rows, NOTE),))
 
 
-def _absolute(part: Part, statistic: Statistic, evaluation: Evaluation) -> str:
-    return _told(evaluation.pose_errors.absolute.get(part), part, statistic)
+def _rows(found: PoseErrors) -> list[tuple[str, ...]]:
+    relative = [(name, found.relative.get(unit, {})) for unit, name in RELATIVE]
+    return [(name, *_row(parts)) for name, parts in ((ABSOLUTE, found.absolute), *relative)]
 
 
-def _relative(unit: Unit, part: Part, statistic: Statistic, evaluation: Evaluation) -> str:
-    return _told(evaluation.pose_errors.relative.get(unit, {}).get(part), part, statistic)
-
-
-def _told(summary: Summary | None, part: Part, statistic: Statistic) -> str:
-    value = None if summary is None else float(getattr(summary, statistic))
-    return error_m(value) if part == "trans" else fixed(value, DEGREE_DIGITS if part == "rot_deg" else FULL_DIGITS)
-
-
-def _stretches(unit: Unit, evaluation: Evaluation) -> str:
-    found = evaluation.pose_errors.relative.get(unit)
-    return MISSING if found is None else count(found["trans"].count)
-
-
-ABSOLUTE: tuple[Row, ...] = tuple(
-    (f"{name}, {words}{shown_in}", partial(_absolute, part, statistic))
-    for part, name, shown_in in PARTS
-    for statistic, words in STATISTICS
-)
-RELATIVE: tuple[Row, ...] = tuple(
-    row
-    for unit, stretch in STRETCHES
-    for row in (
-        (f"Stretches of one {stretch}", partial(_stretches, unit)),
-        *(
-            (f"{name} per {stretch}, {words}{shown_in}", partial(_relative, unit, part, statistic))
-            for part, name, shown_in in PARTS
-            for statistic, words in OF_STRETCHES
-        ),
+def _row(parts: dict[Part, Summary]) -> tuple[str, ...]:
+    position, orientation, full = (parts.get(part) for part in ("trans", "rot_deg", "full"))
+    return (
+        MISSING if position is None else count(position.count),
+        *(error_m(value) for value in _levels(position)),
+        *(fixed(value, DEGREE_DIGITS) for value in _levels(orientation)),
+        fixed(None if full is None else full.rms, FULL_DIGITS),
     )
-)
+
+
+def _levels(summary: Summary | None) -> tuple[float | None, ...]:
+    if summary is None:
+        return (None,) * len(STATISTICS)
+    return summary.rms, summary.mean, summary.median, summary.greatest

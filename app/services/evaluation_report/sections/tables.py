@@ -9,8 +9,6 @@ from app.services.evaluation_report.sections.metric_table import (
     ALIGNMENT,
     AVAILABILITY,
     EVAAL,
-    INTERVALS,
-    MOST_UPRIGHT,
     metric_table,
 )
 from app.services.reporting.document import Column, Section, Table
@@ -18,6 +16,7 @@ from app.services.reporting.numbers import count
 from app.trajectories.comparison import Difference
 from app.trajectories.metrics.accuracy import Accuracy
 
+MOST_UPRIGHT = 6  # systems whose columns fit an upright page
 NEITHER, NONE_IN_COMMON = "neither beyond doubt", "no moment in common"
 
 
@@ -26,10 +25,27 @@ def accuracy(material: ReportMaterial) -> Section:
     evaluations = material.evaluations
     tables = (
         metric_table("Accuracy in the terms of ISO/IEC 18305", evaluations, ACCURACY),
-        metric_table("Errors in space with confidence intervals", evaluations, INTERVALS),
+        _intervals(material),
         metric_table("EvAAL", evaluations, EVAAL),
     )
     return Section("Accuracy", tables, wide=len(evaluations) > MOST_UPRIGHT)
+
+
+def _intervals(material: ReportMaterial) -> Table:
+    columns = (
+        Column("System", align="left"),
+        *(Column(name, "Errors in space (interval), m") for name in ("Mean", "RMS", "SE50", "SE95")),
+        Column("Block"),
+    )
+    rows = tuple(
+        (
+            name,
+            *(interval_m(interval) for interval in (found.mean, found.rms, found.median, found.quantile_95)),
+            count(found.mean.block),
+        )
+        for name, found in ((name, evaluation.intervals) for name, evaluation in material.evaluations.items())
+    )
+    return Table("Confidence intervals", columns, rows, "Block: errors in a row that are alike and stay together.")
 
 
 def conditions(material: ReportMaterial) -> Section:

@@ -30,12 +30,15 @@ class Axes:
         Numbers at the left bottom and the right top corner.
     corner, size : ndarray of shape (2,)
         The frame's left top corner and its width and height, points.
+    written : float
+        What numbers are multiplied with when they are written beside the frame.
     """
 
     low: Array
     high: Array
     corner: Array
     size: Array
+    written: float = 1.0
 
     @property
     def points_per_unit(self) -> Array:
@@ -48,14 +51,14 @@ class Axes:
         return self.corner + np.stack([share[..., 0], 1.0 - share[..., 1]], axis=-1) * self.size
 
     def grid(self, axis: int, step: float, digits: int) -> list[Shape]:
-        """Lines across one axis at multiples of a step, labelled."""
+        """Lines across one axis at multiples of a step, labelled with so many decimals."""
         shapes: list[Shape] = []
         for number in ticks(self.low[axis], self.high[axis], step):
             ends = np.array([self.low, self.high])
             ends[:, axis] = number
             start, end = self.place(ends)
             shapes.append(line(start, end, GRID))
-            shapes.append(self._tick(axis, start, fixed(number, digits)))
+            shapes.append(self._tick(axis, start, fixed(number * self.written, digits)))
         return shapes
 
     def titles(self, across: str, up: str, title_left: float) -> list[Shape]:

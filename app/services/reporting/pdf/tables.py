@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import groupby
+from textwrap import wrap
 from typing import Any
 
 from reportlab.lib.styles import ParagraphStyle
@@ -21,6 +22,7 @@ LEADING = 1.3
 RUN_ROWS = 400
 KEPT_ROWS = 20  # a table of no more stays on one page
 LEAST_ROOM = 80.0  # for a table's title, its head and a few rows; else it begins the next page
+LONG_TITLE = 20  # letters of a line above numbers
 LEAST_TEXT = 60.0  # a column of names is never narrower, points
 STRETCHED_FROM = 0.6  # a table that takes this share of the page's width takes all of it
 
@@ -81,7 +83,8 @@ def _natural_widths(table: Table, size: float) -> list[float]:
         if column.align == "right":
             texts = [max(texts, key=len)] if texts else []
         widest = max((width_of(text, REGULAR, size) for text in texts), default=0.0)
-        widths.append(2 * PAD + max(widest, width_of(column.title, BOLD, size)))
+        title = max(width_of(line, BOLD, size) for line in _lines(column))
+        widths.append(2 * PAD + max(widest, title))
     return [max(width, share) for width, share in zip(widths, _group_shares(table.columns, size), strict=True)]
 
 
@@ -106,11 +109,18 @@ def _shared(natural: list[float], least: list[float], available: float) -> tuple
 
 def _head(columns: tuple[Column, ...]) -> list[list[str]]:
     """Titles of groups, when there are any, above those of columns."""
-    titles = [column.title for column in columns]
+    titles = ["\n".join(map(written, _lines(column))) for column in columns]
     groups: list[str] = []
     for group, members in groupby(columns, key=lambda column: column.group):
         groups += [group] + [""] * (len(list(members)) - 1)
     return [groups, titles] if any(groups) else [titles]
+
+
+def _lines(column: Column) -> list[str]:
+    """A title in lines, which is longer than its numbers where they are of a system with a long name."""
+    if column.align == "left" or len(column.title) <= LONG_TITLE:
+        return [column.title]
+    return wrap(column.title, LONG_TITLE) or [column.title]
 
 
 def _cells(row: tuple[str, ...], columns: tuple[Column, ...], layout: Layout) -> list[str | Paragraph]:
@@ -162,7 +172,8 @@ def _type(table: Table, layout: Layout, head: int) -> list[Command]:
         ("FONT", (0, 0), (-1, head - 1), BOLD, layout.size, LEADING * layout.size),
         ("FONT", (0, head), (-1, -1), REGULAR, layout.size, LEADING * layout.size),
         ("TEXTCOLOR", (0, 0), (-1, -1), INKS["ink"]),
-        ("VALIGN", (0, 0), (-1, -1), "TOP"),
+        ("VALIGN", (0, 0), (-1, head - 1), "BOTTOM"),
+        ("VALIGN", (0, head), (-1, -1), "TOP"),
         ("LEFTPADDING", (0, 0), (-1, -1), PAD),
         ("RIGHTPADDING", (0, 0), (-1, -1), PAD),
         ("TOPPADDING", (0, 0), (-1, -1), 0.7),
