@@ -114,7 +114,7 @@ def test_orientations_are_told_where_there_are_any(report: Document, material: R
 def test_pose_errors_are_told_system_by_system(report: Document, material: ReportMaterial) -> None:
     table = table_of(report, "Absolute and relative pose errors")
     told = {(row[0], row[1]): cells(table, index) for index, row in enumerate(table.rows)}
-    assert len(told) == 4 * len(material.evaluations)
+    assert len(told) == 4 * 3 + 1  # motions need orientations, which one of the four does not tell
     found = material.evaluations["UWB"].pose_errors
     for error, parts in (("APE", found.absolute), ("RPE per metre", found.relative["metres"])):
         row = told["UWB", error]
@@ -124,7 +124,7 @@ def test_pose_errors_are_told_system_by_system(report: Document, material: Repor
         assert number(row["Orientation, degrees", "Median"]) == pytest.approx(parts["rot_deg"].median, abs=0.51e-3)
         assert number(row["Full pose", "RMSE"]) == pytest.approx(parts["full"].rms, abs=HALF_DIGIT)
     assert told["Wi-Fi", "APE"]["Orientation, degrees", "RMSE"] == "–"  # noqa: RUF001 - an en dash
-    assert told["Wi-Fi", "RPE per second"]["", "Count"] == "–"  # noqa: RUF001
+    assert ("Wi-Fi", "RPE per second") not in told
 
 
 def test_the_rotation_of_the_alignment_is_told(report: Document, material: ReportMaterial) -> None:

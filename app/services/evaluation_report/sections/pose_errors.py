@@ -6,7 +6,7 @@ from app.services.evaluation_report.material import ReportMaterial
 from app.services.evaluation_report.numbers import error_m
 from app.services.evaluation_report.sections.metric_table import DEGREE_DIGITS
 from app.services.reporting.document import Column, Section, Table
-from app.services.reporting.numbers import MISSING, count, fixed
+from app.services.reporting.numbers import count, fixed
 from app.trajectories.metrics.absolute_pose_error import Part
 from app.trajectories.metrics.pose_errors import PoseErrors
 from app.trajectories.metrics.relative_pose_error import Unit
@@ -31,7 +31,8 @@ COLUMNS = (
 NOTE = (
     "APE: each aligned pose against the reference's. RPE: motion over one stretch after the other against the "
     "reference's motion, from pair to pair, or between pairs that are a metre of the reference's path, or a second, "
-    "apart (Sturm et al., IROS 2012). The full pose has no unit. A dash: no orientations, or a walk without a stretch."
+    "apart (Sturm et al., IROS 2012). The full pose has no unit. RPE takes orientations, and a walk longer than a "
+    "stretch."
 )
 
 
@@ -44,15 +45,15 @@ def pose_errors(material: ReportMaterial) -> Section:
 
 
 def _rows(found: PoseErrors) -> list[tuple[str, ...]]:
-    relative = [(name, found.relative.get(unit, {})) for unit, name in RELATIVE]
+    relative = [(name, found.relative[unit]) for unit, name in RELATIVE if unit in found.relative]
     return [(name, *_row(parts)) for name, parts in ((ABSOLUTE, found.absolute), *relative)]
 
 
 def _row(parts: dict[Part, Summary]) -> tuple[str, ...]:
-    position, orientation, full = (parts.get(part) for part in ("trans", "rot_deg", "full"))
+    orientation, full = parts.get("rot_deg"), parts.get("full")
     return (
-        MISSING if position is None else count(position.count),
-        *(error_m(value) for value in _levels(position)),
+        count(parts["trans"].count),
+        *(error_m(value) for value in _levels(parts["trans"])),
         *(fixed(value, DEGREE_DIGITS) for value in _levels(orientation)),
         fixed(None if full is None else full.rms, FULL_DIGITS),
     )

@@ -19,16 +19,18 @@ from reportlab.platypus import (
     Paragraph,
 )
 
-from app.services.reporting.document import Document, Figure, Section
+from app.services.reporting.document import Block, Document, Figure, Section, Table
 from app.services.reporting.pdf.blocks import flowables_of
 from app.services.reporting.pdf.fonts import REGULAR, markup, width_of, written
 from app.services.reporting.pdf.look import HEADING, INKS, KICKER, TITLE
+from app.services.reporting.pdf.tables import KEPT_ROWS
 from app.services.reporting.text import readable
 
 MARGIN = 42.0
 HEAD, FOOT = 26.0, 26.0  # baselines of head and foot, from the page's edges
 FOOT_SIZE = 7.5
 LEAST_ROOM = 120.0  # for a title and what begins below it; else both go to the next page
+ROW_ROOM = 16.0  # for a row of a table that stays on one page, now and then of two lines
 CAPTION_ROOM = 90.0  # for a title above a figure and the caption below
 UPRIGHT, BROAD = "upright", "broad"
 TOTAL = "total"
@@ -144,9 +146,15 @@ def pdf_of(document: Document) -> bytes:
 
 def _section(section: Section, key: str, width: float) -> list[Flowable]:
     blocks = [flowable for block in section.blocks for flowable in flowables_of(block, width)]
-    first = section.blocks[0]
-    room = first.drawing.height + CAPTION_ROOM if isinstance(first, Figure) else LEAST_ROOM
-    return [CondPageBreak(room), _Title(section.title, key), *blocks]
+    return [CondPageBreak(_room(section.blocks[0])), _Title(section.title, key), *blocks]
+
+
+def _room(first: Block) -> float:
+    """What a section's title and the block that must follow it on the same page take, points."""
+    if isinstance(first, Figure):
+        return first.drawing.height + CAPTION_ROOM
+    kept = len(first.rows) if isinstance(first, Table) and len(first.rows) <= KEPT_ROWS else 0
+    return LEAST_ROOM + kept * ROW_ROOM
 
 
 def _cut(document: Document, width: float) -> str:
