@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from app.planning.tone import develop
 
 Light = npt.NDArray[np.float32]
+Chroma = Literal["4:2:0", "4:2:2", "4:4:4"]
 
 KERNEL_STEPS = 16  # per pixel: a kernel's shape is drawn this fine, then binned
 DARKEST_LIGHT = 1e-4  # below any ink in any shade: keeps the logarithm finite
@@ -38,6 +40,9 @@ class ImagingOptions:
         How far the picture moves during the exposure, along columns and rows.
     vignetting : float
         Share of light that the corners lose.
+    veiling_glare : float
+        Share of the picture's mean light that the lens scatters over all of it: 0.01 of a clean lens, 0.1 of a
+        fingerprint against a window.
     full_well_electrons : float
         Electrons of a saturated pixel: 5,000 at base ISO, a few hundred in dim rooms. 0 switches all noise off.
     read_noise_electrons : float
@@ -47,7 +52,9 @@ class ImagingOptions:
     sharpening : float
         Amount of unsharp masking after the tone curve, as phones do; 0.3 is common.
     jpeg_quality : int
-        1 ... 100; chroma is stored at half the resolution (4:2:0).
+        1 ... 100.
+    chroma : str
+        How much of the colour's resolution the file keeps: ``4:2:0`` half along both axes, as phones do, ``4:4:4`` all.
     make, model : str
         What EXIF says.
     focal_mm : float
@@ -65,11 +72,13 @@ class ImagingOptions:
     defocus_radius_px: float = 0.0
     motion_px: tuple[float, float] = (0.0, 0.0)
     vignetting: float = 0.2
+    veiling_glare: float = 0.0
     full_well_electrons: float = 5_000.0
     read_noise_electrons: float = 3.0
     contrast: float = 0.25
     sharpening: float = 0.0
     jpeg_quality: int = 93
+    chroma: Chroma = "4:2:0"
     make: str = "Scattermark"
     model: str = "Synthetic"
     focal_mm: float = 4.0
@@ -83,6 +92,8 @@ def expose(light: Light, imaging: ImagingOptions) -> Light:
     kernel = blur_kernel(imaging.defocus_radius_px, imaging.motion_px)
     if kernel.size > 1:
         sensor = cv2.filter2D(sensor, -1, kernel, borderType=cv2.BORDER_REPLICATE)
+    if imaging.veiling_glare > 0:
+        sensor = sensor + np.float32(imaging.veiling_glare) * sensor.mean(axis=(0, 1))
     sensor = sensor * _vignette(light.shape[0], light.shape[1], imaging.vignetting)
     mean_light = float(np.exp(np.log(np.maximum(sensor, DARKEST_LIGHT)).mean()))
     gain = imaging.metered_level / mean_light * 2.0**imaging.exposure_ev

@@ -12,12 +12,13 @@ from app.geometry.camera import Camera
 from app.geometry.pose import Pose
 from app.planning.depth_order import PanelInView, panels_in_view
 from app.planning.rays import RayGrid
-from app.planning.scene import Lamp, Panel, Scene
+from app.planning.scene import Gloss, Lamp, Panel, Scene
 from app.planning.surfaces import Samples, box_coverage
 
 Floats = npt.NDArray[np.float64]
 
 SEAM_SAMPLES = 0.5
+LEAST_LENGTH = 1e-9  # of the sum of two unit vectors: they may point against each other
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def paint(
     picture[:] = scene.ambient_rgb
     for view in panels_in_view(scene.all_panels(), rays, site_from_cam):
         per_pixel = _samples_per_pixel(view, camera, options)
-        lights = _Lights(scene, view.panel)
+        lights = _Lights(scene, view.panel, site_from_cam.position_m)
         for columns, rows in _bands(view.box_px, per_pixel, options.samples_at_once):
             _paint_band(picture, view, rays, lights, (columns, rows, per_pixel))
     return picture
@@ -66,6 +67,15 @@ class _Lights:
 
     scene: Scene
     panel: Panel
+    eye_m: Floats
+
+    def returned(self, samples: Samples) -> Floats:
+        """Light that the panel sends to the eye, shape (H, W, 3): from its print, of its own, and mirrored."""
+        light = self.panel.surface.albedo(samples) * self.on(samples) + np.array(self.panel.glow_rgb)
+        if self.panel.gloss is not None:
+            for lamp in self.scene.lamps:
+                light = light + self._mirrored(lamp, self.panel.gloss, samples)
+        return np.asarray(light)
 
     def on(self, samples: Samples) -> Floats:
         """Light on the panel at its points, shape (H, W, 3)."""
@@ -80,6 +90,19 @@ class _Lights:
         distance2_m2 = (samples.x_m - x_m) ** 2 + (samples.y_m - y_m) ** 2 + z_m**2
         strength = max(z_m, 0.0) / (distance2_m2 * np.sqrt(distance2_m2))
         return np.asarray(strength[..., None] * np.array(lamp.intensity_rgb))
+
+    def _mirrored(self, lamp: Lamp, gloss: Gloss, samples: Samples) -> Floats:
+        """A normalised Blinn-Phong lobe, (n + 8) / 8 times that of a diffuse white of the same reflectance."""
+        panel_from_site = self.panel.site_from_panel.inverse()
+        ways_m = []
+        for place_m in (lamp.position_m, self.eye_m):
+            x_m, y_m, z_m = panel_from_site.apply(place_m)
+            ways_m.append(np.stack([x_m - samples.x_m, y_m - samples.y_m, np.full(samples.x_m.shape, z_m)], axis=-1))
+        to_lamp, to_eye = (way_m / np.linalg.norm(way_m, axis=-1, keepdims=True) for way_m in ways_m)
+        half_way = to_lamp + to_eye
+        cosine = np.maximum(half_way[..., 2], 0.0) / np.maximum(np.linalg.norm(half_way, axis=-1), LEAST_LENGTH)
+        lobe = gloss.reflectance * (gloss.sharpness + 8.0) / 8.0 * cosine**gloss.sharpness
+        return np.asarray(lobe[..., None] * self._of_lamp(lamp, samples))
 
 
 def _samples_per_pixel(view: PanelInView, camera: Camera, options: PaintingOptions) -> int:
@@ -115,7 +138,7 @@ def _paint_band(
     cover = panel_coverage(panel, samples)[..., None]
     if not cover.any():
         return
-    light = cover * panel.surface.albedo(samples) * lights.on(samples)
+    light = cover * lights.returned(samples)
     behind = picture[rows, columns]
     picture[rows, columns] = behind * (1.0 - _pixel_means(cover, per_pixel)) + _pixel_means(light, per_pixel)
 

@@ -1,4 +1,4 @@
-"""The file a phone would write: JPEG with 4:2:0 chroma and EXIF that tells the camera."""
+"""The file a phone would write: JPEG and EXIF that tells the camera."""
 
 from __future__ import annotations
 
@@ -8,8 +8,13 @@ import numpy.typing as npt
 from PIL import ExifTags, Image
 
 from app.geometry.camera import CameraIdentity
-from app.planning.imaging import ImagingOptions
+from app.planning.imaging import Chroma, ImagingOptions
 
+SAMPLING_FACTORS: dict[Chroma, int] = {
+    "4:2:0": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
+    "4:2:2": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422,
+    "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
+}
 JPEG_SOI_BYTES = 2  # the segment follows the start of the image at once
 JPEG_APP1, LENGTH_BYTES = b"\xff\xe1", 2
 UPRIGHT = 1  # EXIF orientation
@@ -22,12 +27,12 @@ def encode_jpeg(rgb: npt.NDArray[np.uint8], imaging: ImagingOptions, identity: C
     ----------
     rgb : ndarray of shape (H, W, 3), uint8
     imaging : ImagingOptions
-        Quality, time, and whether EXIF is written.
+        Quality, chroma, time, and whether EXIF is written.
     identity : CameraIdentity
         What EXIF says of the camera.
     """
     quality = [cv2.IMWRITE_JPEG_QUALITY, imaging.jpeg_quality]
-    sampling = [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420]
+    sampling = [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, SAMPLING_FACTORS[imaging.chroma]]
     encoded, jpeg = cv2.imencode(".jpg", np.ascontiguousarray(rgb[..., ::-1]), [*quality, *sampling])
     if not encoded:
         raise RuntimeError("OpenCV could not encode the synthetic photograph as JPEG")

@@ -18,6 +18,26 @@ DEFAULT_PAPER_MARGIN_U = 1.0
 
 
 @dataclass(frozen=True)
+class Gloss:
+    """What a smooth film, as of a laminated sheet, mirrors: each lamp as a bright spot on top of the print.
+
+    Attributes
+    ----------
+    reflectance : float
+        Share of light that is mirrored: 0.04 for glass and plastic films.
+    sharpness : float
+        Exponent of the lobe: 50 spreads a lamp over a satin sheet, 2,000 keeps it a spot.
+    """
+
+    reflectance: float = 0.04
+    sharpness: float = 300.0
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.reflectance <= 1 and self.sharpness > 0):
+            raise ValueError("a gloss mirrors a share of the light, 0 ... 1, with a positive sharpness")
+
+
+@dataclass(frozen=True)
 class Panel:
     """A rectangle seen from its front alone: a wall, a poster, one face of a cupboard, a sheet of paper.
 
@@ -29,12 +49,18 @@ class Panel:
         Along x and y.
     surface : Surface
         What it shows.
+    gloss : Gloss or None
+        What mirrors the lamps; None for plain paper and plaster.
+    glow_rgb : tuple of float
+        Light that it sends out by itself, linear: a window by day, a screen.
     """
 
     site_from_panel: Pose
     width_m: float
     height_m: float
     surface: Surface
+    gloss: Gloss | None = None
+    glow_rgb: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         if not (self.width_m > 0 and self.height_m > 0):

@@ -84,3 +84,11 @@ def test_light_beyond_the_full_well_is_white_and_sharpening_overshoots_edges() -
     plain, sharp = digitise(edge, PLAIN, rng), digitise(edge, replace(PLAIN, sharpening=0.5), rng)
     assert sharp[10, 31, 0] < plain[10, 31, 0] and sharp[10, 32, 0] > plain[10, 32, 0]
     assert sharp[10, 5, 0] == plain[10, 5, 0]
+
+
+def test_glare_adds_a_share_of_the_mean_light_everywhere() -> None:
+    light = np.zeros((20, 30, 3), dtype=np.float32)
+    light[:, :15] = 1.0
+    imaging = ImagingOptions(lens_sigma_px=0.0, vignetting=0.0, veiling_glare=0.1)
+    sensor = expose(light, imaging)
+    assert sensor[0, -1, 0] / sensor[0, 0, 0] == pytest.approx(0.05 / 1.05, rel=1e-5)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from app.geometry.pose import Pose
 from app.geometry.rotation import exp_rotation
 from app.planning.painting import PaintingOptions, paint
 from app.planning.posting import pose_facing
-from app.planning.scene import Lamp, Panel, PostedTarget, Scene
+from app.planning.scene import Gloss, Lamp, Panel, PostedTarget, Scene
 from app.planning.surfaces import PAPER_ALBEDO, PlainSurface
 from app.planning.tone import linear_of_srgb
 from app.targets.drawing import BLACK_RGB
@@ -125,3 +127,25 @@ def test_a_camera_in_the_open_sees_the_ambient_light() -> None:
     )
     picture = paint(Scene((), (wall_behind,), ambient_rgb=(0.1, 0.2, 0.3)), DISTORTED, AT_ORIGIN)
     np.testing.assert_allclose(picture, np.broadcast_to(np.float32([0.1, 0.2, 0.3]), picture.shape))
+
+
+def test_a_film_mirrors_a_lamp_where_the_angles_are_equal_and_a_window_glows_by_itself() -> None:
+    lamp = Lamp(np.array([0.4, 0.0, 0.0]), (1.0, 1.0, 1.0))
+    wall = facing_camera(2.0, 4.0, (0, 0, 0))
+    film = replace(wall, gloss=Gloss(reflectance=0.04, sharpness=5_000.0))
+    camera = Camera(41, 31, np.array([50.0, 50.0, 20.0, 15.0, 0, 0, 0, 0, 0]))
+    picture = paint(Scene((), (film,), (lamp,), (0.0, 0.0, 0.0)), camera, AT_ORIGIN)[..., 0]
+    # Half-way to the lamp, 0.2 m aside at a distance of 2 m: 5 px.
+    assert np.unravel_index(picture.argmax(), picture.shape) == (15, 25)
+    assert picture[15, 25] == pytest.approx(0.04 * 5_008 / 8 * 2.0 / (4.0 + 0.2**2) ** 1.5, rel=1e-4)
+    assert picture[0, 0] == 0.0
+    window = replace(wall, glow_rgb=(3.0, 2.0, 1.0))
+    np.testing.assert_allclose(
+        paint(Scene((), (window,), (), (1.0, 1.0, 1.0)), camera, AT_ORIGIN)[15, 20], [3.0, 2.0, 1.0]
+    )
+
+
+@pytest.mark.parametrize(("reflectance", "sharpness"), [(-0.1, 1.0), (1.1, 1.0), (0.5, 0.0)])
+def test_a_film_that_cannot_be_is_refused(reflectance: float, sharpness: float) -> None:
+    with pytest.raises(ValueError, match="gloss"):
+        Gloss(reflectance, sharpness)
