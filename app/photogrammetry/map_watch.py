@@ -34,7 +34,7 @@ class WatchOptions:
     fewest_places : int
         Places that these snapshots were taken from.
     refused_share : float
-        Least share of the snapshots, since the first that refused it, that refuse a target.
+        Least share of the snapshots that see a target, since most of them refuse it, that do.
     recent : int
         Newest snapshots that the map as a whole is judged by.
     sigma0_rise : float
@@ -159,11 +159,20 @@ class _Watch:
             movements = evidence.movements
             return [code for code in movements.codes[~movements.used].tolist() if code not in moved]
 
-        for code, rows in self._by_code(refused).items():
-            seen = sum(code in evidence.movements.codes for evidence in self._evidence[rows[0] :])
-            often = len(rows) >= self._options.fewest_refused and len(rows) >= self._options.refused_share * seen
+        for code in self._by_code(refused):
+            rows, share = self._refused_since(code)
+            often = len(rows) >= self._options.fewest_refused and share >= self._options.refused_share
             if often and self._stands(rows) >= self._options.fewest_places:
                 yield self._finding("misfit-target", code, rows)
+
+    def _refused_since(self, code: int) -> tuple[Index, float]:
+        """Snapshots that refuse a target since most do, and which share of all that see it they are."""
+        seen = self._by_code(lambda evidence: evidence.movements.codes.tolist())[code]
+        movements = [self._evidence[row].movements for row in seen]
+        refused = np.array([not found.used[found.codes == code][0] for found in movements])
+        balance = np.cumsum(np.where(refused, 1.0, -1.0)[::-1])
+        first = len(seen) - 1 - int(np.argmax(balance))
+        return seen[first:][refused[first:]], float(refused[first:].mean())
 
     def vanished(self) -> Iterator[Finding]:
         """Targets that are not seen any more."""

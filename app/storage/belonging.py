@@ -9,6 +9,7 @@ from sqlalchemy import ColumnElement, select, true
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from app.storage.models import (
+    AlertRow,
     Base,
     CameraRow,
     EvaluationRow,
@@ -28,6 +29,7 @@ OWNED: dict[str, type[Base]] = {
     "pose_id": SnapshotRow,
     "evaluation_id": EvaluationRow,
     "live_id": LiveEvaluationRow,
+    "alert_id": AlertRow,
 }
 
 

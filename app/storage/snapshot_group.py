@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import Connection, bindparam, or_, select, update
+from sqlalchemy import Connection, bindparam, insert, or_, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from app.errors import Conflict, NotFound, OutOfSpace, ScattermarkError, StorageUnavailable
 from app.storage.database import Database
 from app.storage.ids import new_id
-from app.storage.models import SiteRow, SnapshotRow, TrajectoryRow
+from app.storage.models import EvidenceRow, SiteRow, SnapshotRow, TrajectoryRow
 from app.storage.sites import no_site
-from app.storage.snapshot_rows import snapshot_of_row, values_of_snapshot
+from app.storage.snapshot_rows import snapshot_of_row, values_of_evidence, values_of_snapshot
 from app.storage.snapshots import NewSnapshot, Snapshot
 from app.storage.trajectory_parts import StoredTrajectory
 from app.storage.trajectory_rows import (
@@ -53,6 +53,7 @@ TRAJECTORIES = (
 )
 COUNT = update(TrajectoryRow).where(TrajectoryRow.id == bindparam("counted_id"))
 COUNT = COUNT.values({name: bindparam(name) for name in COUNTED})
+EVIDENCE = insert(EvidenceRow)
 FIRST = select(SnapshotRow.__table__).where(
     SnapshotRow.site_id == bindparam("site_id"), SnapshotRow.snapshot_id == bindparam("snapshot_id")
 )
@@ -160,6 +161,7 @@ class _Group:
         self._lock_trajectories(entries)
         self._first: dict[tuple[str, str], Snapshot] = {}
         self._values: list[dict[str, object]] = []
+        self._evidence: list[dict[str, object]] = []
         self._counted: set[str] = set()
 
     def place(self, entry: Entry) -> Snapshot | ScattermarkError:
@@ -184,6 +186,8 @@ class _Group:
         rows = sorted(self._values, key=lambda values: (values["site_id"], values["snapshot_id"] or ""))
         if insert_what_is_absent(self._connection, SnapshotRow, rows) < len(rows):
             raise SnapshotIdTaken
+        if self._evidence:
+            self._connection.execute(EVIDENCE, self._evidence)
         counted = [self._trajectories[trajectory_id] for trajectory_id in sorted(self._counted)]
         totals = [{"counted_id": trajectory.trajectory_id, **counted_values(trajectory)} for trajectory in counted]
         self._connection.execute(COUNT, totals)
@@ -223,4 +227,6 @@ class _Group:
         self._counted.add(trajectory.trajectory_id)
         place = {"id": new_id(), "trajectory_id": trajectory.trajectory_id, "ordinal": counted.snapshot_count}
         self._values.append({**place, **values_of_snapshot(snapshot)})
+        if snapshot.tells_of_map:
+            self._evidence.append({"pose_id": place["id"], **values_of_evidence(snapshot)})
         return Snapshot(str(place["id"]), trajectory.trajectory_id, snapshot.heading, snapshot.outcome, snapshot.seen)

@@ -42,6 +42,18 @@ def values_of_snapshot(snapshot: NewSnapshot) -> dict[str, Any]:
     }
 
 
+def values_of_evidence(snapshot: NewSnapshot) -> dict[str, Any]:
+    """The columns of what a snapshot tells of its map, without the snapshot's id."""
+    heading = snapshot.heading
+    return {
+        "site_id": heading.site_id,
+        "map_version": heading.map_version,
+        "captured_s": heading.moment.captured_s,
+        "device_id": heading.device_id,
+        "record": snapshot.evidence,
+    }
+
+
 def _seen_values(seen: Seen) -> dict[str, Any]:
     """As JSON takes it; ``asdict`` would copy each of some fifty items, which takes longer than writing the row."""
     return {

@@ -13,6 +13,8 @@ from app.geometry.pose import Pose
 Array = npt.NDArray[np.float64]
 TimeSource = Literal["client", "server"]
 
+INCONSISTENT = "inconsistent"  # the refusal of targets that agree on no pose
+
 
 @dataclass(frozen=True)
 class Moment:
@@ -110,11 +112,24 @@ class NotFoundPose:
 
 @dataclass(frozen=True)
 class NewSnapshot:
-    """A snapshot on its way into the database."""
+    """A snapshot on its way into the database.
+
+    Attributes
+    ----------
+    evidence : bytes or None
+        What it tells of the map (``evidence_blob``); None when that is not to be kept.
+    """
 
     heading: Heading
     outcome: Located | NotFoundPose
     seen: Seen
+    evidence: bytes | None = None
+
+    @property
+    def tells_of_map(self) -> bool:
+        """Whether it stands in the evidence: also when its targets contradict each other."""
+        contradicts = isinstance(self.outcome, NotFoundPose) and self.outcome.reason == INCONSISTENT
+        return self.evidence is not None or contradicts
 
 
 @dataclass(frozen=True)

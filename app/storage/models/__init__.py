@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.storage.models.access import AuditRow, BrowserSessionRow, KeyRow
+from app.storage.models.alerts import AlertRow, EvidenceRow
 from app.storage.models.base import Base
 from app.storage.models.evaluations import (
     EvaluatedPosesRow,
@@ -20,6 +21,7 @@ from app.storage.models.target_maps import CameraRow, MappedTargetRow, MapPhotoR
 from app.storage.models.trajectories import SnapshotRow, TrajectoryRow
 
 __all__ = [
+    "AlertRow",
     "AuditRow",
     "Base",
     "BrowserSessionRow",
@@ -29,6 +31,7 @@ __all__ = [
     "EvaluatedPosesRow",
     "EvaluatedSystemRow",
     "EvaluationRow",
+    "EvidenceRow",
     "ImportedPosesRow",
     "JobRow",
     "KeptSnapshotRow",

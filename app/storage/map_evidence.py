@@ -1,0 +1,63 @@
+"""What the snapshots of a map tell of it, as it is kept: the newest of each version."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from app.photogrammetry.map_watch import WatchedSnapshot
+from app.storage.evidence_blob import evidence_of_blob
+from app.storage.models import EvidenceRow
+
+
+@dataclass(frozen=True)
+class EvidenceState:
+    """How many snapshots tell of a map and which came last: equal as long as nothing new is told."""
+
+    count: int
+    newest_id: str | None
+
+
+class EvidenceRepository:
+    """Evidence of one session."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def state(self, site_id: str, map_version: int) -> EvidenceState:
+        """What there is of a map version."""
+        query = select(func.count(), func.max(EvidenceRow.pose_id)).where(
+            EvidenceRow.site_id == site_id, EvidenceRow.map_version == map_version
+        )
+        count, newest_id = self._session.execute(query).one()
+        return EvidenceState(count, newest_id)
+
+    def newest(self, site_id: str, map_version: int, limit: int) -> tuple[WatchedSnapshot, ...]:
+        """The last so many that came, the newest first."""
+        query = (
+            select(EvidenceRow)
+            .where(EvidenceRow.site_id == site_id, EvidenceRow.map_version == map_version)
+            .order_by(EvidenceRow.pose_id.desc())
+            .limit(limit)
+        )
+        return tuple(
+            WatchedSnapshot(row.captured_s, row.device_id, None if row.record is None else evidence_of_blob(row.record))
+            for row in self._session.scalars(query)
+        )
+
+    def watched_maps(self) -> tuple[tuple[str, int], ...]:
+        """Sites and map versions of which something is told."""
+        query = select(EvidenceRow.site_id, EvidenceRow.map_version).distinct()
+        return tuple((site_id, version) for site_id, version in self._session.execute(query))
+
+    def forget_older(self, site_id: str, map_version: int, keep: int) -> int:
+        """Remove all but the newest so many of a map version; how many went."""
+        of_map = (EvidenceRow.site_id == site_id, EvidenceRow.map_version == map_version)
+        oldest = select(EvidenceRow.pose_id).where(*of_map).order_by(EvidenceRow.pose_id.desc()).offset(keep).limit(1)
+        first_to_go = self._session.scalar(oldest)
+        if first_to_go is None:
+            return 0
+        gone = delete(EvidenceRow).where(*of_map, EvidenceRow.pose_id <= first_to_go).returning(EvidenceRow.pose_id)
+        return len(self._session.scalars(gone).all())
