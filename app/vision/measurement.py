@@ -11,6 +11,7 @@ import numpy.typing as npt
 from app.targets.layout import DOT_COUNT
 from app.vision.homography import local_px_per_u
 from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, COEFFICIENTS, measure_power, sort_coefficients
+from app.vision.kernels.projection import solve_plates
 from app.vision.patches import Patches, Pyramid, take_patches
 from app.vision.template import PAPER_RIDGE, PatchGrid, plate_template
 
@@ -115,12 +116,9 @@ def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
     cofactors = np.empty((plates, DOT_COUNT, 2, 2))
     levels = patches.levels(blur_px)
     for level in np.unique(levels):
-        template, chosen = plate_template(patches.grid, int(level)), np.flatnonzero(levels == level)
-        # One product for all plates and channels.
-        products = (patches.samples[chosen].reshape(-1, count) @ template.design).astype(np.float64)
-        right[chosen] = products.reshape(-1, CHANNELS, COEFFICIENTS)
-        solved[chosen] = (products @ template.cofactors).reshape(-1, CHANNELS, COEFFICIENTS)
-        cofactors[chosen] = template.offset_cofactors
+        chosen = np.flatnonzero(levels == level)
+        template = plate_template(patches.grid, int(level))
+        solve_plates(patches.samples, chosen, template.parts, (right, solved, cofactors))
     rms = np.empty((plates, 2))
     measure_power(patches.samples, right, solved, PAPER_RIDGE * count, rms)
     amplitudes, slopes = np.empty((plates, DOT_COUNT, CHANNELS)), np.empty((plates, DOT_COUNT, 2, CHANNELS))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,7 @@ from scipy.special import erf, ive
 
 from app.targets.layout import DOT_COUNT, DOT_RADIUS_U, PLATE_SIDE_U
 from app.vision.homography import PLATE_DOTS_U
-from app.vision.kernels.coefficients import COEFFICIENTS, PAPER, PER_DOT
+from app.vision.kernels.coefficients import BACKGROUND, COEFFICIENTS, PAPER, PER_DOT
 
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
@@ -26,6 +26,10 @@ Array32 = npt.NDArray[np.float32]
 PATCH_REACH_U = 6.4  # up to the plate's edge (6.5): beyond it stands whatever the plate was posted on
 BLUR_STEP_U = 0.03  # templates are kept at multiples of this blur: half a step changes a dot's amplitude by 1 %
 BLUR_LEVELS = (3, 30)
+
+# A dot is looked at as far as its edge and so many standard deviations of blur, where 1e-4 of it is left.
+WINDOW_BLURS = 4.0
+REGISTER = 8  # numbers of 32 bits
 
 PAPER_RIDGE = 1e-3  # the paper enters a patch by blur alone; without blur its columns vanish
 
@@ -59,21 +63,32 @@ class PatchGrid(Enum):
 
 @dataclass(frozen=True)
 class PlateTemplate:
-    """A plate's linear model at one blur.
+    """A plate's linear model at one blur, as far as it is not zero.
 
     Attributes
     ----------
-    design : ndarray of shape (S, 54), float32
-        Takes the coefficients to the model's samples; its transpose takes samples to the normal equations.
+    weights : ndarray of shape (16, 3, W), float32
+        Each dot's disc and derivatives in its window, row by row; zeros behind.
+    windows : ndarray of shape (16, 3)
+        Of each window the first sample, its rows and its columns.
+    planes : ndarray of shape (6, S), float32
+        The background's and the paper's columns.
     cofactors : ndarray of shape (54, 54)
         The inverse of the normal matrix with the paper's ridge.
     offset_cofactors : ndarray of shape (16, 2, 2)
         Cofactor matrix of each dot's two derivative coefficients.
     """
 
-    design: Array32
+    weights: Array32
+    windows: npt.NDArray[np.int64]
+    planes: Array32
     cofactors: Array
     offset_cofactors: Array
+
+    @cached_property
+    def parts(self) -> tuple[Array32, npt.NDArray[np.int64], Array32, Array, Array]:
+        """All fields in their order, as compiled loops take them."""
+        return self.weights, self.windows, self.planes, self.cofactors, self.offset_cofactors
 
 
 def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
@@ -84,20 +99,55 @@ def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
 @cache
 def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:
     """The template for a blur of ``level * BLUR_STEP_U`` (standard deviation, u); there are at most 84 of them."""
+    design, windows = plate_design(grid, level), _windows(grid, level)
+    weights = np.zeros((DOT_COUNT, PER_DOT, _whole_registers(int(windows[0, 1:].prod()))), dtype=np.float32)
+    for dot, seen in enumerate(_seen_through(windows, grid)):
+        weights[dot, :, : len(seen)] = design[seen, PER_DOT * dot : PER_DOT * (dot + 1)].T
+    ridge = PAPER_RIDGE * len(design)
+    cofactors = np.linalg.inv(design.T @ design + np.diag(np.where(np.arange(COEFFICIENTS) < PAPER, 0.0, ridge)))
+    first = PER_DOT * np.arange(DOT_COUNT)[:, None, None] + 1
+    offset_cofactors = cofactors[first + np.arange(2)[:, None], first + np.arange(2)]
+    planes = np.ascontiguousarray(design[:, BACKGROUND:].T, dtype=np.float32)
+    return PlateTemplate(weights, windows, planes, cofactors, offset_cofactors)
+
+
+def plate_design(grid: PatchGrid, level: int) -> Array:
+    """The model as one matrix, shape (S, 54): takes the coefficients to the samples."""
     blur_u, samples_u = level * BLUR_STEP_U, grid.points_u()
     offset_u = samples_u[:, None] - PLATE_DOTS_U
     radius_u = np.hypot(offset_u[..., 0], offset_u[..., 1])
     disc, by_radius = blurred_disc(radius_u, blur_u)
     # Moving the dot by +d moves the picture the other way: the derivative by the dot's place is -by_radius.
     slope = -by_radius[..., None] * offset_u / np.maximum(radius_u, 1e-9)[..., None]
-    dots = np.concatenate([disc[..., None], slope], axis=-1).reshape(len(samples_u), -1)
+    dots = np.concatenate([disc[..., None], slope], axis=-1)
+    for dot, seen in enumerate(_seen_through(_windows(grid, level), grid)):
+        dots[np.setdiff1d(np.arange(len(dots)), seen), dot] = 0.0
     plane = np.column_stack([np.ones(len(samples_u)), samples_u / PATCH_REACH_U])
-    design = np.hstack([dots, plane, plane * _paper(samples_u, blur_u)[:, None]])
-    ridge = PAPER_RIDGE * len(samples_u)
-    cofactors = np.linalg.inv(design.T @ design + np.diag(np.where(np.arange(COEFFICIENTS) < PAPER, 0.0, ridge)))
-    first = PER_DOT * np.arange(DOT_COUNT)[:, None, None] + 1
-    offset_cofactors = cofactors[first + np.arange(2)[:, None], first + np.arange(2)]
-    return PlateTemplate(design.astype(np.float32), cofactors, offset_cofactors)
+    return np.hstack([dots.reshape(len(samples_u), -1), plane, plane * _paper(samples_u, blur_u)[:, None]])
+
+
+def _windows(grid: PatchGrid, level: int) -> npt.NDArray[np.int64]:
+    """First sample, rows and columns, shape (16, 3), of each dot's window; all have one size."""
+    axis_u = grid.axis_u()
+    step_u = axis_u[1] - axis_u[0]
+    reach_u = DOT_RADIUS_U + WINDOW_BLURS * level * BLUR_STEP_U
+    side = min(int(2.0 * reach_u / step_u) + 1, grid.value)
+    nearest = np.rint((PLATE_DOTS_U - axis_u[0]) / step_u - 0.5 * (side - 1))
+    column, row = np.clip(nearest, 0, grid.value - side).astype(np.int64).T
+    return np.column_stack([row * grid.value + column, np.full((DOT_COUNT, 2), side)])
+
+
+def _seen_through(windows: npt.NDArray[np.int64], grid: PatchGrid) -> npt.NDArray[np.int64]:
+    """The samples of each window, shape (16, rows * columns)."""
+    rows, columns = (np.arange(count) for count in windows[0, 1:])
+    inside = rows[:, None] * grid.value + columns
+    result: npt.NDArray[np.int64] = windows[:, :1] + inside.reshape(1, -1)
+    return result
+
+
+def _whole_registers(count: int) -> int:
+    """Rounded up to what vector registers hold, so that no sample is left to be added alone."""
+    return -(-count // REGISTER) * REGISTER
 
 
 def blurred_disc(radius_u: Array, blur_u: float) -> tuple[Array, Array]:

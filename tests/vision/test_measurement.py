@@ -10,7 +10,7 @@ from app.vision.inks import BASE
 from app.vision.kernels.inkwell import RED
 from app.vision.measurement import PlateFits, SizedPatches, fit_patches
 from app.vision.patches import Pyramid, take_patches
-from app.vision.template import PatchGrid, plate_template
+from app.vision.template import PatchGrid, plate_design, plate_template
 from tests.vision.scenes import NOISELESS, Shot, before_wall, plate_at, plates_in_rows, sensor_shots, true_homographies
 
 BLUR_PX = 0.85  # of the lens, a pixel's box and bilinear sampling
@@ -101,10 +101,10 @@ def test_residuals_are_what_the_model_leaves(clean: Shot) -> None:
     blur_px = np.array([0.6, 0.85, 1.4])
     fits = fit_patches(patches, blur_px)
     for plate, level in enumerate(patches.levels(blur_px).tolist()):
-        template = plate_template(PatchGrid.FINE, level)
+        template, design = plate_template(PatchGrid.FINE, level), plate_design(PatchGrid.FINE, level)
         samples = patches.samples[plate].astype(np.float64)
-        coefficients = samples @ template.design @ template.cofactors
-        residual = samples - coefficients @ template.design.T
+        coefficients = samples @ design @ template.cofactors
+        residual = samples - coefficients @ design.T
         assert fits.residual_rms[plate] == pytest.approx(np.sqrt((residual**2).mean()), rel=0.01)
         spread = np.sqrt(((samples - samples.mean(axis=1, keepdims=True)) ** 2).mean())
         assert fits.spread_rms[plate] == pytest.approx(spread, rel=1e-3)

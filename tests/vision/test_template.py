@@ -12,6 +12,7 @@ from app.vision.template import (
     PatchGrid,
     blur_level,
     blurred_disc,
+    plate_design,
     plate_template,
 )
 
@@ -69,12 +70,12 @@ def test_design_columns_are_the_dots_and_their_differences(grid: PatchGrid, leve
     samples_u, blur_u, dots = grid.points_u(), level * BLUR_STEP_U, [0, 6, 13]
     step_u = DIFFERENCE_STEP * blur_u
     steps_u = step_u * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-    design = plate_template(grid, level).design
+    design = plate_design(grid, level)
     assert design.shape == (grid.value**2, COEFFICIENTS)
     columns = design[:, :BACKGROUND].reshape(len(samples_u), DOT_COUNT, PER_DOT)[:, dots]
     moved = disc_columns(samples_u, (PLATE_DOTS_U[dots, None] + steps_u).reshape(-1, 2), blur_u)
     disc, right, left, down, up = np.moveaxis(moved.reshape(len(samples_u), len(dots), 5), 2, 0)
-    np.testing.assert_allclose(columns[..., 0], disc, atol=1e-6)
+    np.testing.assert_allclose(columns[..., 0], disc, atol=1e-4)  # what is left of a dot outside its window
     allowed = DIFFERENCE_ERROR * np.abs(columns[..., 1:]).max()
     np.testing.assert_allclose(columns[..., 1], (right - left) / (2 * step_u), atol=allowed)
     np.testing.assert_allclose(columns[..., 2], (down - up) / (2 * step_u), atol=allowed)
@@ -87,24 +88,24 @@ def test_the_paper_shows_where_the_blurred_plate_ends(level: int) -> None:
     line = np.clip((PLATE_SIDE_U / 2 - np.abs(axis)) / FINE_STEP_U + 0.5, 0.0, 1.0)
     inside = np.interp(PatchGrid.FINE.points_u(), axis, np.convolve(line, gauss(blur_u)[:, 0], mode="same"))
     paper = 1.0 - inside.prod(axis=1)
-    design = plate_template(PatchGrid.FINE, level).design
+    design = plate_design(PatchGrid.FINE, level)
     np.testing.assert_allclose(design[:, PAPER], paper, atol=2e-3)
     across = design[:, PAPER, None] * PatchGrid.FINE.points_u() / PATCH_REACH_U
     np.testing.assert_allclose(design[:, PAPER + 1 :], across, atol=1e-6)
 
 
 def test_the_background_is_a_plane() -> None:
-    design = plate_template(PatchGrid.ROUGH, 10).design[:, BACKGROUND:PAPER]
+    design = plate_design(PatchGrid.ROUGH, 10)[:, BACKGROUND:PAPER]
     points = PatchGrid.ROUGH.points_u() / PATCH_REACH_U
     np.testing.assert_allclose(design, np.column_stack([np.ones(len(points)), points]), atol=1e-6)
 
 
 @pytest.mark.parametrize("grid", list(PatchGrid))
 def test_coefficients_are_recovered_from_the_models_own_samples(grid: PatchGrid) -> None:
-    template = plate_template(grid, 12)
+    template, design = plate_template(grid, 12), plate_design(grid, 12)
     coefficients = np.random.default_rng(1).normal(size=COEFFICIENTS)
     coefficients[PAPER:] = 0.0  # the paper's ridge holds these back
-    solved = template.cofactors @ (template.design.T @ (template.design @ coefficients))
+    solved = template.cofactors @ (design.T @ (design @ coefficients))
     np.testing.assert_allclose(solved, coefficients, atol=2e-3)  # float32 design
 
 
@@ -115,7 +116,7 @@ def test_a_dot_is_found_where_it_was_put(grid: PatchGrid, level: int) -> None:
     template, samples_u, blur_u = plate_template(grid, level), grid.points_u(), level * BLUR_STEP_U
     offset_u, amplitude = rng.uniform(-0.1, 0.1, (DOT_COUNT, 2)), rng.uniform(0.5, 2.0, DOT_COUNT)
     samples = 0.1 + disc_columns(samples_u, PLATE_DOTS_U + offset_u, blur_u) @ amplitude
-    solved = template.cofactors @ (template.design.T @ samples)
+    solved = template.cofactors @ (plate_design(grid, level).T @ samples)
     dots = solved[:BACKGROUND].reshape(DOT_COUNT, PER_DOT)
     second_order_u = 0.1**2  # offsets squared, over the blur or the radius
     np.testing.assert_allclose(dots[:, 1:] / dots[:, :1], offset_u, atol=second_order_u)
@@ -126,7 +127,7 @@ def test_a_dot_is_found_where_it_was_put(grid: PatchGrid, level: int) -> None:
 def test_cofactors_are_the_scatter_under_noise() -> None:
     template, trials = plate_template(PatchGrid.FINE, 10), 1500
     noise = np.random.default_rng(3).normal(size=(PatchGrid.FINE.value**2, trials))
-    solved = template.cofactors @ (template.design.T @ noise)
+    solved = template.cofactors @ (plate_design(PatchGrid.FINE, 10).T @ noise)
     for dot in (0, 5, 10):
         first = PER_DOT * dot + 1
         scatter = np.cov(solved[first : first + 2])

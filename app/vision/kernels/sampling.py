@@ -1,4 +1,8 @@
-"""Samples of plates on a grid in plate coordinates, in linear light."""
+"""Samples of plates on a grid in plate coordinates, in linear light.
+
+Each step is a loop over all samples of a plate that runs on vector registers; only the four pixels around a sample are
+fetched one by one, two at a time as the bytes of one number.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,7 @@ from app.vision.kernels.homographies import image_of
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.int64]
+Words = npt.NDArray[np.uint64]
 Pixels = npt.NDArray[np.uint8]
 
 LIGHT_STEPS = 8  # of the table of linear light, per grey value: between pixels there are parts of grey values
@@ -18,12 +23,12 @@ LIGHT_STEPS = 8  # of the table of linear light, per grey value: between pixels 
 
 @compiled("boolean(uint8[:, :, ::1], float64[:, ::1], float64)")
 def _is_inside(level: Pixels, level_from_plate: Array, reach_u: float) -> bool:
-    """Whether a patch's corners, and so the patch, have four pixels around each sample."""
+    """Whether a patch's corners, and so the patch, have four pixels around each sample, and one more to the right."""
     height, width, _ = level.shape
     for corner in range(4):
         sign_x, sign_y = 1.0 if corner % 2 else -1.0, 1.0 if corner // 2 else -1.0
         x, y = image_of(level_from_plate, sign_x * reach_u, sign_y * reach_u)
-        if not (x >= 0.0 and y >= 0.0 and x < width - 1.0 and y < height - 1.0):
+        if not (x >= 0.0 and y >= 0.0 and x < width - 2.0 and y < height - 1.0):
             return False
     # A plate that reaches behind the camera has no such corners.
     along, down, middle = level_from_plate[2]
@@ -46,34 +51,52 @@ def _place(level_from_plate: Array, axis_u: Array, stride: int, first: Indices, 
             along[column], down[column] = np.float32(x - left), np.float32(y - top)
 
 
-@compiled("float32(uint8[::1], uint8[::1], int64, float32, float32)")
-def _between(above: Pixels, below: Pixels, channel: int, along: np.float32, down: np.float32) -> np.float32:
-    """Bilinear between two pixels above and two below."""
-    upper, lower = np.float32(above[channel]), np.float32(below[channel])
-    upper += along * (np.float32(above[channel + 3]) - upper)
-    lower += along * (np.float32(below[channel + 3]) - lower)
-    return upper + down * (lower - upper)
+@compiled("uint64(uint8[::1], uint64)")
+def _word_at(pixels: Pixels, at: np.uint64) -> np.uint64:
+    """Eight bytes as one number, the first the lowest: two pixels and what follows. The compiler makes it one load."""
+    word = np.uint64(0)
+    for byte in range(8):
+        word |= np.uint64(pixels[at + np.uint64(byte)]) << np.uint64(8 * byte)
+    return word
 
 
-@compiled("void(uint8[::1], int64, int64[::1], float32[:, ::1], float32[:, ::1])")
-def _interpolate(pixels: Pixels, stride: int, first: Indices, shares: Array32, samples: Array32) -> None:
-    blue, green, red = samples[0], samples[1], samples[2]
-    along, down = shares[0], shares[1]
+@compiled("void(uint8[::1], int64, int64[::1], uint64[:, ::1])")
+def _fetch(pixels: Pixels, stride: int, first: Indices, words: Words) -> None:
+    """The two pixels above each sample, and the two below."""
+    above, below = words[0], words[1]
     for sample in range(len(first)):
-        above = pixels[first[sample] :]
-        below = above[stride:]
-        blue[sample] = _between(above, below, 0, along[sample], down[sample])
-        green[sample] = _between(above, below, 1, along[sample], down[sample])
-        red[sample] = _between(above, below, 2, along[sample], down[sample])
+        at = np.uint64(first[sample])
+        above[sample] = _word_at(pixels, at)
+        below[sample] = _word_at(pixels, at + np.uint64(stride))
 
 
-@compiled("void(float32[::1], float32[:, ::1])")
-def _to_light(light: Array32, samples: Array32) -> None:
+@compiled("float32(uint64, uint64)")
+def _byte_of(word: np.uint64, byte: np.uint64) -> np.float32:
+    return np.float32(np.int32((word >> (np.uint64(8) * byte)) & np.uint64(255)))
+
+
+@compiled("void(uint64[:, ::1], float32[:, ::1], float32[:, ::1])")
+def _interpolate(words: Words, shares: Array32, samples: Array32) -> None:
+    """Bilinear between two pixels above and two below."""
+    above, below, along, down = words[0], words[1], shares[0], shares[1]
+    for channel in range(3):
+        left, right, line = np.uint64(channel), np.uint64(channel + 3), samples[channel]
+        for sample in range(len(line)):
+            upper, lower = _byte_of(above[sample], left), _byte_of(below[sample], left)
+            upper += along[sample] * (_byte_of(above[sample], right) - upper)
+            lower += along[sample] * (_byte_of(below[sample], right) - lower)
+            line[sample] = upper + down[sample] * (lower - upper)
+
+
+@compiled("void(float32[::1], int32[::1], float32[:, ::1])")
+def _to_light(light: Array32, steps: npt.NDArray[np.int32], samples: Array32) -> None:
     """Coded grey values to linear light, in place."""
     for channel in range(3):
         line = samples[channel]
         for sample in range(len(line)):
-            line[sample] = light[np.int64(line[sample] * np.float32(LIGHT_STEPS) + np.float32(0.5))]
+            steps[sample] = np.int32(line[sample] * np.float32(LIGHT_STEPS) + np.float32(0.5))
+        for sample in range(len(line)):
+            line[sample] = light[np.uint32(steps[sample])]
 
 
 @compiled("void(uint8[:, :, ::1], float64[:, ::1], float64[::1], float32[:, ::1])")
@@ -125,7 +148,9 @@ def sample_plates(
         Blue, green, red, row by row.
     """
     level_from_plate, pixels, stride = np.empty((3, 3)), level.reshape(-1), 3 * level.shape[1]
-    first, shares = np.empty(len(axis_u) ** 2, dtype=np.int64), np.empty((2, len(axis_u) ** 2), dtype=np.float32)
+    count = len(axis_u) ** 2
+    first, words = np.empty(count, dtype=np.int64), np.empty((2, count), dtype=np.uint64)
+    shares, steps = np.empty((2, count), dtype=np.float32), np.empty(count, dtype=np.int32)
     # Pixel centres stand at integers: the centre of a reduced pixel lies between those of its parts.
     shift = 0.5 * factor - 0.5
     for plate in plates:
@@ -136,7 +161,8 @@ def sample_plates(
             level_from_plate[2, column] = h[2, column]
         if _is_inside(level, level_from_plate, axis_u[-1]):
             _place(level_from_plate, axis_u, stride, first, shares)
-            _interpolate(pixels, stride, first, shares, samples[plate])
+            _fetch(pixels, stride, first, words)
+            _interpolate(words, shares, samples[plate])
         else:
             _interpolate_clamped(level, level_from_plate, axis_u, samples[plate])
-        _to_light(light, samples[plate])
+        _to_light(light, steps, samples[plate])
