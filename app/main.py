@@ -14,6 +14,7 @@ from app.api.dependencies import Services
 from app.jobs.fork_server import start_fork_server
 from app.jobs.pool import WorkerPool
 from app.services.access_upkeep import AccessUpkeep
+from app.services.alerts import MapWatch
 from app.services.evaluations import Evaluator
 from app.services.gatekeeper import AccessRules, Gatekeeper
 from app.services.keys import ensure_bootstrap_key
@@ -85,6 +86,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 smoother=Smoother(database, locating, settings.evaluate_timeout_s),
                 importer=TrajectoryImporter(locating, settings.evaluate_timeout_s, settings.data_dir),
                 reports=ReportWriter(locating, settings.report_timeout_s),
+                map_watch=MapWatch(database, locating, settings.evaluate_timeout_s),
                 readiness=Readiness(
                     Dependencies(database, photos, locating, settings.min_free_bytes, partial(_live_workers, database))
                 ),

@@ -21,6 +21,7 @@ from app.api.origins import TrustedPagesOnly, cors_rules, trusted_pages
 from app.api.problems import Problem, add_handlers, describe_slow_bodies
 from app.api.request_id import RequestIds
 from app.api.routes import (
+    alerts,
     audit,
     docs,
     evaluations,
@@ -99,6 +100,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
         surveys,
         jobs,
         maps,
+        alerts,
         trajectories,
         live_evaluations,
         evaluations,

@@ -10,6 +10,7 @@ from fastapi import Depends, Path, Query, Request
 from pydantic import AfterValidator
 
 from app.errors import NotFound
+from app.services.alerts import MapWatch
 from app.services.evaluations import Evaluator
 from app.services.gatekeeper import Gatekeeper
 from app.services.locate import Locator
@@ -45,6 +46,7 @@ class Services:
     transfers: SiteTransfers
     locator: Locator
     reports: ReportWriter
+    map_watch: MapWatch
     bell: TrajectoryBell
     importer: TrajectoryImporter
     evaluator: Evaluator

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from app.cli.arguments import add_json, photo_files
 from app.cli.compile_ import compile_first
 from app.cli.progress import progress
-from app.errors import InvalidInput, NotLocated
+from app.errors import NotLocated
 
 if TYPE_CHECKING:
     from app.geometry.camera import CalibratedCamera
@@ -30,7 +30,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("photos", type=Path, nargs="+", help="snapshots, or folders of them")
     parser.add_argument("--map", type=Path, required=True, metavar="MAP.json", help="what `scattermark build` wrote")
     parser.add_argument(
-        "--camera", type=Path, metavar="CAMERA.json", help="intrinsics: width_px, height_px, fx, fy, cx, cy, dist"
+        "--camera",
+        type=Path,
+        metavar="CAMERA.json",
+        help="what `scattermark calibrate` wrote, or intrinsics: width_px, height_px, fx, fy, cx, cy, dist, readout_s",
     )
     add_json(parser)
 
@@ -38,10 +41,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Locate each; 1 when one of them was refused."""
     compile_first()
+    from app.cli.camera_file import read_camera
     from app.geometry.map_file import read_map
 
     content = read_map(arguments.map)
-    named = _camera_of_file(arguments.camera) if arguments.camera else None
+    named = read_camera(arguments.camera) if arguments.camera else None
     records = _locate_all(photo_files(arguments.photos), content, named)
     if arguments.json:
         print(json.dumps(records))
@@ -60,25 +64,6 @@ def _locate_all(paths: Sequence[Path], content: MapFile, named: CalibratedCamera
             records.append(_record(path, content, known))
             report("locating", done, len(paths))
     return records
-
-
-def _camera_of_file(path: Path) -> CalibratedCamera:
-    import numpy as np
-
-    from app.geometry.camera import Camera
-    from app.photogrammetry.camera_prior import camera_from_client
-
-    try:
-        record = json.loads(path.read_text())
-        distortion = record.get("dist") or [0.0] * 5
-        values = [record["fx"], record["fy"], record["cx"], record["cy"], *distortion]
-        camera = Camera(int(record["width_px"]), int(record["height_px"]), np.array(values, dtype=np.float64))
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InvalidInput(
-            f"{path} describes no camera ({error!r}); give JSON with width_px, height_px, fx, fy, cx, cy and "
-            "dist (k1, k2, p1, p2, k3)"
-        ) from error
-    return camera_from_client(camera, distortion_known="dist" in record)
 
 
 def _record(path: Path, content: MapFile, known: KnownCameras) -> dict[str, Any]:

@@ -11,6 +11,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from app.geometry.readout import Readout
+
 Array = npt.NDArray[np.float64]
 
 INTRINSIC_NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
@@ -182,11 +184,15 @@ class CalibratedCamera:
         posterior plus the scatter between photographs.
     source : str
         Where the numbers come from: survey, calibration, client, exif, model.
+    readout : Readout or None
+        How the sensor is read, where it is known: then a pose is that of the middle of the picture, and allows for
+        movement while it was read.
     """
 
     camera: Camera
     covariance: Array
     source: CameraSource
+    readout: Readout | None = None
 
     def __post_init__(self) -> None:
         if self.covariance.shape != (INTRINSIC_COUNT, INTRINSIC_COUNT) or not np.isfinite(self.covariance).all():

@@ -18,6 +18,7 @@ import numpy as np
 from app.errors import InvalidInput
 from app.geometry.camera import CalibratedCamera, Camera, CameraIdentity, CameraSource
 from app.geometry.pose import Pose
+from app.geometry.readout import Readout
 from app.geometry.target_map import Datum, MappedTarget, TargetMap
 
 FORMAT = "scattermark-map-1"
@@ -145,6 +146,7 @@ def _camera_to_json(known: MapCamera) -> dict[str, Any]:
         "intrinsics": known.calibrated.camera.intrinsics.tolist(),
         "covariance": known.calibrated.covariance.tolist(),
         "source": known.calibrated.source,
+        "readout_s": None if known.calibrated.readout is None else known.calibrated.readout.duration_s,
     }
 
 
@@ -153,4 +155,6 @@ def _camera_from_json(record: Mapping[str, Any]) -> MapCamera:
     intrinsics = np.array(record["intrinsics"], dtype=np.float64)
     camera = Camera(identity.width_px, identity.height_px, intrinsics)
     covariance = np.array(record["covariance"], dtype=np.float64)
-    return MapCamera(identity, CalibratedCamera(camera, covariance, cast(CameraSource, record["source"])))
+    readout_s = record.get("readout_s")  # maps that were written before it was asked for have none
+    readout = None if readout_s is None else Readout(float(readout_s))
+    return MapCamera(identity, CalibratedCamera(camera, covariance, cast(CameraSource, record["source"]), readout))

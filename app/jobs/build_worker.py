@@ -77,6 +77,7 @@ def _chores(settings: Settings, database: Database, engine: Engine) -> dict[str,
     photos = open_photo_store(settings.photographs_location)
     return {
         "housekeeping": lambda: housekeep(database, photos, time.time()),
+        "maps watched": WatchRound(database),
         "ended builds forgotten by the engine": engine.forget_ended,
     }
 

@@ -166,8 +166,8 @@ def await_chunks(job_id: str, attempt: int) -> Reasons:
 
 
 @DBOS.step(name="adjust_and_publish", should_retry=passing, **PATIENCE)
-def adjust_and_publish(job_id: str, attempt: int, reasons: Reasons) -> int:
-    """Adjust the survey and publish its map, in one step: between the two there is nothing to lose but a moment."""
+def adjust_and_publish(job_id: str, attempt: int, reasons: Reasons) -> int | str:
+    """Adjust and publish the map, or the camera, in one step: between the two there is nothing to lose but a moment."""
     return the_crew().builder.adjust_and_publish(JobRun(job_id, attempt), reasons)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -67,7 +67,7 @@ def scaled(calibrated: CalibratedCamera, width_px: int, height_px: int) -> Calib
     # Pixel centres stand at integers, so the picture's corner is (-1/2, -1/2) at every size.
     intrinsics[2:4] += (factors[2:4] - 1.0) / 2.0
     covariance = calibrated.covariance * np.outer(factors, factors)
-    return CalibratedCamera(Camera(width_px, height_px, intrinsics), covariance, calibrated.source)
+    return replace(calibrated, camera=Camera(width_px, height_px, intrinsics), covariance=covariance)
 
 
 def turned(calibrated: CalibratedCamera, quarter_turns: int) -> CalibratedCamera:
@@ -80,4 +80,6 @@ def turned(calibrated: CalibratedCamera, quarter_turns: int) -> CalibratedCamera
         for step in np.eye(INTRINSIC_COUNT)
     ]
     derivative = np.column_stack(columns)
-    return CalibratedCamera(turned_camera, derivative @ calibrated.covariance @ derivative.T, calibrated.source)
+    covariance = derivative @ calibrated.covariance @ derivative.T
+    readout = None if calibrated.readout is None else calibrated.readout.turned(quarter_turns)
+    return replace(calibrated, camera=turned_camera, covariance=covariance, readout=readout)

@@ -6,7 +6,7 @@ the photograph's geometry carries.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -139,7 +139,7 @@ def camera_of_model(calibrated: CalibratedCamera, options: CameraPriorOptions | 
     camera = calibrated.camera
     centre_px = options.model_centre * max(camera.width_px, camera.height_px)
     scatter = _covariance(camera, _Sigmas(options.model_focal, options.aspect, centre_px, options.model_distortion))
-    return CalibratedCamera(camera, calibrated.covariance + scatter, "model")
+    return replace(calibrated, covariance=calibrated.covariance + scatter, source="model")
 
 
 def _focal_conventions_px(identity: CameraIdentity, focal_35mm: float) -> Array:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import logging
-import time
 from dataclasses import asdict, dataclass, replace
 
 from sqlalchemy.orm import Session
 
-from app.errors import Cancelled, StorageUnavailable
+from app.errors import Cancelled
 from app.geometry.control import ControlPoint
 from app.geometry.observations import Detection
 from app.geometry.target_map import TargetMap
@@ -16,20 +14,17 @@ from app.photogrammetry.survey import PlateSpec, SurveyOptions, SurveyPhoto, Sur
 from app.services.build_options import BuildOptions
 from app.services.detect_work import DetectSettings
 from app.services.extend_map import anchored_points, anchors_of, extend_map
+from app.services.job_kinds import reading_options
 from app.services.job_progress import JobProgress
 from app.services.photo_results import photo_results
 from app.services.workbench import workbench
+from app.services.write_patiently import write_patiently
 from app.storage.database import Database
 from app.storage.jobs import Job, JobRepository, JobRun
 from app.storage.records import NewCamera, Origin, PhotoResult, Publication, Site, Survey
 from app.storage.sites import SiteRepository
 from app.storage.surveys import DetectionRepository, SurveyRepository
 from app.storage.target_maps import TargetMapRepository
-
-log = logging.getLogger(__name__)
-
-# A database that restarts is back within a minute; the result of an hour's adjustment waits four for it.
-PUBLISH_PAUSES_S = (1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 120.0)
 
 
 @dataclass(frozen=True)
@@ -78,7 +73,8 @@ def adjust_and_publish(task: AdjustTask) -> int:
     plate = PlateSpec(material.site.code_family, material.site.plate_u_m)
     progress = JobProgress(database, task.run)
     result = adjust_survey(material.photos, material.control, plate, SurveyOptions(), progress.report)
-    return _publish_patiently(database, material, _publication(material, result, task.unreadable))
+    publication = _publication(material, result, task.unreadable)
+    return write_patiently(task.run.job_id, lambda: _publish(database, material, publication))
 
 
 def _gather(session: Session, task: AdjustTask) -> _Material:
@@ -86,7 +82,7 @@ def _gather(session: Session, task: AdjustTask) -> _Material:
     options = BuildOptions.from_json(job.options)
     site = SiteRepository(session).get(job.site_id)
     points = options.exclude.points_left(SiteRepository(session).control_points(job.site_id))
-    photos = _survey_photos(session, job, DetectSettings.of(site.code_family, options), task.unreadable)
+    photos = photos_of_job(session, job, task.unreadable)
     survey = SurveyRepository(session).get(job.survey_id)
     if options.base_version is None:
         return _Material(job, task.run, options, site, survey, photos, points, None)
@@ -95,10 +91,11 @@ def _gather(session: Session, task: AdjustTask) -> _Material:
     return _Material(job, task.run, options, site, survey, photos, control, base)
 
 
-def _survey_photos(
-    session: Session, job: Job, settings: DetectSettings, unreadable: tuple[Unreadable, ...]
-) -> tuple[SurveyPhoto, ...]:
-    exclude, detections = BuildOptions.from_json(job.options).exclude, DetectionRepository(session)
+def photos_of_job(session: Session, job: Job, unreadable: tuple[Unreadable, ...]) -> tuple[SurveyPhoto, ...]:
+    """What was seen in each photograph of a job, without what it leaves out."""
+    options, detections = reading_options(job), DetectionRepository(session)
+    exclude = options.exclude
+    settings = DetectSettings.of(SiteRepository(session).get(job.site_id).code_family, options)
     left_out = {*exclude.images, *(photo.name for photo in unreadable)}
     photos = []
     for photo in SurveyRepository(session).photos(job.survey_id):
@@ -124,17 +121,6 @@ def _publication(material: _Material, result: SurveyResult, unreadable: tuple[Un
     extension = extend_map(material.base, result.target_map, material.options.exclude.codes)
     told = {"base_version": origin.base_version, "added": list(extension.added), "moved": list(extension.moved)}
     return Publication(extension.target_map, origin, cameras, photos, {**report, "extension": told})
-
-
-def _publish_patiently(database: Database, material: _Material, publication: Publication) -> int:
-    """``_publish``, tried again while the database gives no answer."""
-    for pause_s in PUBLISH_PAUSES_S:
-        try:
-            return _publish(database, material, publication)
-        except StorageUnavailable as error:
-            log.warning("job %s cannot be published yet: %s", material.run.job_id, error.detail)
-            time.sleep(pause_s)
-    return _publish(database, material, publication)
 
 
 def _publish(database: Database, material: _Material, publication: Publication) -> int:

@@ -14,9 +14,10 @@ from typing import Any
 
 from app.errors import Cancelled, TimedOut, WorkerCrashed
 from app.services.adjust_work import AdjustTask, Unreadable, adjust_and_publish
-from app.services.build_options import BuildOptions
 from app.services.build_tasks import BuildTasks
+from app.services.calibrate_work import calibrate_and_keep
 from app.services.detect_work import DetectSettings, DetectTask, detect_photo
+from app.services.job_kinds import BUILD, CALIBRATE, reading_options
 from app.services.job_progress import JobProgress
 from app.services.ports import CpuPool
 from app.storage.database import Database, Session
@@ -31,6 +32,9 @@ log = logging.getLogger(__name__)
 PHOTOS_PER_CHUNK = 4  # of 4 to 8: a chunk then takes about a second, 50 times what the engine adds to it
 CRASHES_FORGIVEN = 1  # a process may be killed from outside; when the next one dies of the same work, it is the work
 LOOK_INTERVAL_S = 0.3  # whoever watches a build sees its photographs counted three times a second
+
+# What is done once all photographs are detected, by kind of job.
+LAST_STEPS: dict[str, Callable[[AdjustTask], int | str]] = {BUILD: adjust_and_publish, CALIBRATE: calibrate_and_keep}
 
 Chunks = tuple[tuple[str, ...], ...]  # digests of photographs
 Reasons = dict[str, str]  # why a photograph cannot be used, by digest
@@ -116,8 +120,8 @@ class MapBuilder:
             time.sleep(LOOK_INTERVAL_S)
         progress.report("detect", len(digests), len(digests))
 
-    def adjust_and_publish(self, run: JobRun, reasons: Reasons) -> int:
-        """Adjust the survey and publish its map; the version's number. A build is published once.
+    def adjust_and_publish(self, run: JobRun, reasons: Reasons) -> int | str:
+        """Adjust the survey and publish its map, or calibrate the camera: once. The map's version or the camera's id.
 
         Raises
         ------
@@ -131,8 +135,9 @@ class MapBuilder:
             job = JobRepository(session).get(run.job_id)
             photos = SurveyRepository(session).photos(job.survey_id)
         unreadable = tuple(Unreadable(photo.name, reasons[photo.sha256]) for photo in photos if photo.sha256 in reasons)
-        version: int = self._work(run, adjust_and_publish, AdjustTask(run, unreadable), self._limits.adjust_timeout_s)
-        return version
+        work = LAST_STEPS[job.kind]
+        published: int | str = self._work(run, work, AdjustTask(run, unreadable), self._limits.adjust_timeout_s)
+        return published
 
     def _detect_one(self, run: JobRun, task: DetectTask) -> str | None:
         try:
@@ -165,7 +170,7 @@ class MapBuilder:
 def _wanted(session: Session, run: JobRun) -> tuple[DetectSettings, tuple[str, ...]]:
     """How a build reads its photographs, and their digests, each once."""
     job = JobRepository(session).get(run.job_id)
-    options = BuildOptions.from_json(job.options)
+    options = reading_options(job)
     family = SiteRepository(session).get(job.site_id).code_family
     photos = SurveyRepository(session).photos(job.survey_id)
     digests = dict.fromkeys(photo.sha256 for photo in photos if photo.name not in options.exclude.images)

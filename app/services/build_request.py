@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from app.errors import Conflict, InvalidInput
 from app.services.build_options import BuildOptions, Exclusion
 from app.services.control_points import check_datum
+from app.services.job_kinds import BUILD
 from app.storage.jobs import Job, JobRepository
 from app.storage.records import Survey
 from app.storage.sites import SiteRepository
@@ -20,7 +21,6 @@ from app.vision.detectors import choose_detector
 
 log = logging.getLogger(__name__)
 
-BUILD = "build"  # the kind of job
 LEAST_PHOTOS = 2  # a target's place takes rays from several photographs
 
 

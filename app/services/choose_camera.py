@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from app.errors import NotLocated
 from app.geometry.camera import CalibratedCamera, CameraIdentity
@@ -54,10 +55,15 @@ def _best(header: PhotoHeader, known: KnownCameras) -> CalibratedCamera:
     fitting = [camera for camera in known.stored if _fits(camera.calibrated, header)]
     own = [camera for camera in fitting if _same_unit(camera, header, known.device_id)]
     if own:
-        return own[0].calibrated
+        return min(own, key=partial(_order, device_id=known.device_id)).calibrated
     if known.client is not None:
         return known.client
     return _of_another_unit(header, fitting)
+
+
+def _order(camera: StoredCamera, device_id: str | None) -> tuple[bool, bool]:
+    """First the named device's own, then surveys before calibrations; the newest first among equals, as they come."""
+    return device_id is not None and camera.device_id != device_id, camera.calibrated.source != "survey"
 
 
 def _of_another_unit(header: PhotoHeader, fitting: Sequence[StoredCamera]) -> CalibratedCamera:

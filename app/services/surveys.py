@@ -7,8 +7,8 @@ import hashlib
 import re
 import time
 import unicodedata
-from collections.abc import AsyncIterable, Sequence
-from contextlib import ExitStack
+from collections.abc import AsyncIterable, AsyncIterator, Sequence
+from contextlib import ExitStack, asynccontextmanager
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
@@ -140,11 +140,45 @@ class PhotoIntake:
             When they cannot be stored; nothing of them is.
         """
         await asyncio.to_thread(self._check_survey, survey_id)
+        async with self._received(uploads) as arrived:
+            await asyncio.to_thread(self._store_new, survey_id, arrived)
+            return await asyncio.to_thread(self._add, survey_id, arrived)
+
+    @asynccontextmanager
+    async def arriving(self, uploads: Sequence[Upload]) -> AsyncIterator[tuple[ArrivedPhoto, ...]]:
+        """Photographs received, looked at and stored, for whoever lists them by ``list_in`` within the block.
+
+        Raises
+        ------
+        InvalidInput, BadPhoto, UnsupportedPhoto, PhotoTooLarge, OutOfSpace, StorageUnavailable
+            As ``take``.
+        """
+        async with self._received(uploads) as arrived:
+            await asyncio.to_thread(self._store, arrived)
+            yield arrived
+
+    def list_in(self, session: Session, survey_id: str, arrived: Sequence[ArrivedPhoto]) -> tuple[AddedPhoto, ...]:
+        """List stored photographs in a survey.
+
+        Raises
+        ------
+        Conflict
+            When a name is taken by other bytes.
+        """
+        lock_photos(session, [item.photo.sha256 for item in arrived])
+        surveys = SurveyRepository(session)
+        added = tuple(AddedPhoto(item.photo, surveys.add_photo(survey_id, item.photo)) for item in arrived)
+        for item in arrived:
+            # A purge may have taken the file while no row referred to it; from here on it cannot.
+            if not self._photos.holds(item.photo.sha256):
+                self._photos.put(item.photo.sha256, item.content())
+        return added
+
+    @asynccontextmanager
+    async def _received(self, uploads: Sequence[Upload]) -> AsyncIterator[tuple[ArrivedPhoto, ...]]:
         await asyncio.to_thread(self._budget.admit, sum(upload.size_bytes for upload in uploads))
         with ExitStack() as arriving:
-            arrived = [await self._receive(upload, arriving) for upload in uploads]
-            await asyncio.to_thread(self._store, survey_id, arrived)
-            return await asyncio.to_thread(self._add, survey_id, arrived)
+            yield tuple([await self._receive(upload, arriving) for upload in uploads])
 
     async def _receive(self, upload: Upload, arriving: ExitStack) -> ArrivedPhoto:
         name = checked_filename(upload.filename)
@@ -158,25 +192,22 @@ class PhotoIntake:
         with self._database.reading() as session:
             SurveyRepository(session).get(survey_id)
 
-    def _store(self, survey_id: str, arrived: Sequence[ArrivedPhoto]) -> None:
-        """Put what is new into the store, before any row refers to it and outside of any transaction."""
+    def _store_new(self, survey_id: str, arrived: Sequence[ArrivedPhoto]) -> None:
+        """Store what the survey has not yet."""
         with self._database.reading() as session:
             surveys = SurveyRepository(session)
             new = [item for item in arrived if not surveys.has_photo(survey_id, item.photo)]
+        self._store(new)
+
+    def _store(self, new: Sequence[ArrivedPhoto]) -> None:
+        """Put photographs into the store, before any row refers to them and outside of any transaction."""
         self._budget.admit(sum(item.photo.size_bytes for item in new))
         for item in new:
             self._photos.put(item.photo.sha256, item.content())
 
     def _add(self, survey_id: str, arrived: Sequence[ArrivedPhoto]) -> tuple[AddedPhoto, ...]:
         with self._database.writing() as session:
-            lock_photos(session, [item.photo.sha256 for item in arrived])
-            surveys = SurveyRepository(session)
-            added = tuple(AddedPhoto(item.photo, surveys.add_photo(survey_id, item.photo)) for item in arrived)
-            for item in arrived:
-                # A purge may have taken the file while no row referred to it; from here on it cannot.
-                if not self._photos.holds(item.photo.sha256):
-                    self._photos.put(item.photo.sha256, item.content())
-        return added
+            return self.list_in(session, survey_id, arrived)
 
 
 def _check_digest(name: str, announced: str | None, arrived: str) -> None:

@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from app.errors import NotFound
 from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, Camera, CameraIdentity, CameraSource
+from app.geometry.readout import Readout
 from app.storage.belonging import within
 from app.storage.blobs import array_of_blob, blob_of_array
 from app.storage.ids import new_id
@@ -39,6 +40,7 @@ class CameraRepository:
             identity=asdict(camera.identity),
             intrinsics=blob_of_array(camera.calibrated.camera.intrinsics),
             covariance=blob_of_array(camera.calibrated.covariance),
+            readout_s=None if camera.calibrated.readout is None else camera.calibrated.readout.duration_s,
             created_s=time.time(),
         )
         self._session.add(row)
@@ -91,10 +93,10 @@ class CameraRepository:
 
 
 def _newest_of_each(cameras: Iterable[StoredCamera]) -> Iterable[StoredCamera]:
-    """Of each camera of each device the first that comes."""
-    seen: set[tuple[str, str | None]] = set()
+    """Of each camera of each device the first that comes of each source: one does not stand for the other."""
+    seen: set[tuple[str, str | None, str]] = set()
     for camera in cameras:
-        key = camera.identity.key, camera.device_id
+        key = camera.identity.key, camera.device_id, camera.calibrated.source
         if key not in seen:
             seen.add(key)
             yield camera
@@ -104,10 +106,11 @@ def _camera(row: CameraRow) -> StoredCamera:
     identity = CameraIdentity(**row.identity)
     camera = Camera(identity.width_px, identity.height_px, array_of_blob(row.intrinsics, INTRINSIC_COUNT))
     covariance = array_of_blob(row.covariance, INTRINSIC_COUNT, INTRINSIC_COUNT)
+    readout = None if row.readout_s is None else Readout(row.readout_s)
     return StoredCamera(
         camera_id=row.id,
         identity=identity,
-        calibrated=CalibratedCamera(camera, covariance, cast(CameraSource, row.source)),
+        calibrated=CalibratedCamera(camera, covariance, cast(CameraSource, row.source), readout),
         device_id=row.device_id,
         site_id=row.site_id,
         map_version=row.map_version,

@@ -1,4 +1,4 @@
-"""Target maps, their versions, their reports; cameras."""
+"""Target maps, their versions, their reports."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Header, Query, Response
 
-from app.api.dependencies import Id, Paging, PathId, PathVersion, ReadSession, Running, Version, WriteSession
+from app.api.dependencies import Paging, PathId, PathVersion, ReadSession, Running, Version, WriteSession
 from app.api.problems import problems
 from app.api.report_answer import MEDIA_TYPES, preferred_format, report_response
-from app.api.schemas.maps import CamerasAnswer, MapAnswer, MapsAnswer, TargetsAnswer
-from app.api.schemas.texts import Text
-from app.api.security import Reading, may_read, needs
+from app.api.schemas.maps import MapAnswer, MapsAnswer, TargetsAnswer
+from app.api.security import may_read, needs
 from app.services import maps
 from app.services.report_work import ReportFormat, ReportTask
-from app.storage.cameras import CameraRepository
 from app.storage.target_maps import TargetMapRepository
 
 router = APIRouter(tags=["maps"])
@@ -76,11 +74,3 @@ def list_maps(site_id: PathId, page: Paging, session: ReadSession) -> MapsAnswer
 def activate_map(site_id: PathId, version: PathVersion, session: WriteSession) -> MapAnswer:
     """Locate snapshots in this version from now on."""
     return MapAnswer.of(maps.activate_map(session, site_id, version))
-
-
-@router.get("/cameras", responses=problems(404, 422))
-def list_cameras(
-    page: Paging, session: ReadSession, principal: Reading, site_id: Id | None = None, device_id: Text | None = None
-) -> CamerasAnswer:
-    """Calibrated cameras, of one site or device when named."""
-    return CamerasAnswer.of(CameraRepository(session).page(site_id, device_id, page, principal.site_ids))

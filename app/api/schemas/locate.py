@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal
 from uuid import UUID
 
@@ -12,6 +13,7 @@ from app.api.dependencies import Id
 from app.api.schemas.common import WHOLE, Body, Finite, Quaternion, Vector3, numbers_of, time_of
 from app.api.schemas.texts import Text
 from app.geometry.camera import CalibratedCamera, Camera
+from app.geometry.readout import Readout
 from app.geometry.rotation import photogrammetric_angles_deg
 from app.photogrammetry.camera_prior import camera_from_client
 from app.services.capture_time import ClientClock
@@ -48,7 +50,9 @@ class ClientCamera(Body):
         """The camera with a client's uncertainty."""
         distortion = [*self.dist, *[0.0] * (DISTORTION_COUNTS[-1] - len(self.dist))]
         intrinsics = np.array([self.fx, self.fy, self.cx, self.cy, *distortion])
-        return camera_from_client(Camera(self.width_px, self.height_px, intrinsics), distortion_known=bool(self.dist))
+        camera = Camera(self.width_px, self.height_px, intrinsics)
+        known = camera_from_client(camera, distortion_known=bool(self.dist))
+        return known if self.readout_s is None else replace(known, readout=Readout(self.readout_s))
 
 
 class LocateParameters(BaseModel):

@@ -1,19 +1,15 @@
-"""Target maps, their versions, cameras."""
+"""Target maps and their versions."""
 
 from __future__ import annotations
 
 from typing import Annotated, Any
 
-import numpy as np
 from pydantic import BaseModel, Field
 
-from app.api.schemas.common import Listing, Quaternion, Vector3, numbers_of, time_of
-from app.geometry.camera import INTRINSIC_NAMES
+from app.api.schemas.common import Listing, Quaternion, Vector3, time_of
 from app.storage.paging import Page
-from app.storage.records import MapVersion, StoredCamera
+from app.storage.records import MapVersion
 from app.targets.layout import DOT_COUNT
-
-FIRST_DISTORTION = 4  # of the nine intrinsics
 
 
 class TargetAnswer(BaseModel):
@@ -50,7 +46,9 @@ class TargetsAnswer(BaseModel):
     plate_u_m: float
     targets: list[TargetAnswer]
     datum: DatumAnswer
-    cameras: list[dict[str, Any]] = Field(description="The survey's cameras: identity, intrinsics, covariance, source.")
+    cameras: list[dict[str, Any]] = Field(
+        description="Calibrated with it: identity, intrinsics, covariance, source."
+    )
 
 
 class MapAnswer(BaseModel):
@@ -85,59 +83,3 @@ class MapsAnswer(Listing):
     def of(cls, page: Page[MapVersion]) -> MapsAnswer:
         """The answer for a page."""
         return cls(maps=[MapAnswer.of(version) for version in page.items], next_cursor=page.next_cursor)
-
-
-class CameraAnswer(BaseModel):
-    """A calibrated camera."""
-
-    camera_id: str
-    make: str
-    model: str
-    width_px: int
-    height_px: int
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    dist: list[float] = Field(description="k1, k2, p1, p2, k3 (OpenCV)")
-    sigmas: dict[str, float] = Field(description="Standard deviations of fx ... k3.")
-    source: str
-    device_id: str | None
-    site_id: str | None
-    map_version: int | None
-    created_at: str
-
-    @classmethod
-    def of(cls, camera: StoredCamera) -> CameraAnswer:
-        """The answer for a camera."""
-        intrinsics = camera.calibrated.camera.intrinsics
-        sigmas = np.sqrt(np.diag(camera.calibrated.covariance))
-        focal: dict[str, Any] = dict(
-            zip(("fx", "fy", "cx", "cy"), numbers_of(intrinsics[:FIRST_DISTORTION]), strict=True)
-        )
-        return cls(
-            camera_id=camera.camera_id,
-            make=camera.identity.make,
-            model=camera.identity.model,
-            width_px=camera.identity.width_px,
-            height_px=camera.identity.height_px,
-            **focal,
-            dist=numbers_of(intrinsics[FIRST_DISTORTION:]),
-            sigmas=dict(zip(INTRINSIC_NAMES, numbers_of(sigmas), strict=True)),
-            source=camera.calibrated.source,
-            device_id=camera.device_id,
-            site_id=camera.site_id,
-            map_version=camera.map_version,
-            created_at=time_of(camera.created_s),
-        )
-
-
-class CamerasAnswer(Listing):
-    """A page of cameras."""
-
-    cameras: list[CameraAnswer]
-
-    @classmethod
-    def of(cls, page: Page[StoredCamera]) -> CamerasAnswer:
-        """The answer for a page."""
-        return cls(cameras=[CameraAnswer.of(camera) for camera in page.items], next_cursor=page.next_cursor)

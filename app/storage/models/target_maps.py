@@ -72,4 +72,5 @@ class CameraRow(Base):
     identity: Mapped[Json]
     intrinsics: Mapped[Blob]
     covariance: Mapped[Blob]
+    readout_s: Mapped[Number | None]  # of all rows, as the sensor lies
     created_s: Mapped[Number]
