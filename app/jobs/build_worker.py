@@ -18,6 +18,7 @@ from app.jobs.pool import WorkerPool
 from app.jobs.slot import Slot, held_slot
 from app.jobs.worker_metrics import metrics_served
 from app.jobs.workflows import Crew, sign_on, the_crew
+from app.services.alerts import WatchRound
 from app.services.build_map import BuildLimits, MapBuilder
 from app.services.housekeeping import housekeep
 from app.services.workers import start_worker

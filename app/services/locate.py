@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Self
 
 from app.errors import NotLocated
+from app.services.evidence_sieve import EvidenceSieve
 from app.services.locate_prepare import Preparation, Prepared
 from app.services.locate_request import LocateRequest as LocateRequest
 from app.services.locate_work import LocateTask, locate_photo
@@ -55,6 +56,7 @@ class Locator:
         self._limits = limits
         self._afterwards = afterwards
         self._metrics = metrics
+        self._sieve = EvidenceSieve()
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[Self]:
@@ -102,7 +104,8 @@ class Locator:
         heading = prepared.heading
         task = LocateTask(request.photo, self._limits.photo, heading.site_id, heading.map_version, prepared.cameras)
         outcome = await self._pool.run(locate_photo, task, timeout_s=self._limits.timeout_s)
-        entry = Entry(NewSnapshot(heading, outcome.outcome, outcome.seen), request.trajectory_id)
+        told = outcome.evidence if self._sieve.passes(heading, outcome.outcome) else None
+        entry = Entry(NewSnapshot(heading, outcome.outcome, outcome.seen, told), request.trajectory_id)
         with self._metrics.recording(outcome.seen.timing_ms):
             snapshot = await self._recorder.record(entry)
         self._afterwards.bell.ring(snapshot.trajectory_id)

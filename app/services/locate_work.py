@@ -13,10 +13,12 @@ from app.errors import NotLocated
 from app.geometry.camera import CalibratedCamera
 from app.geometry.observations import Detection, Rejected
 from app.geometry.target_map import TargetMap
+from app.photogrammetry.evidence import gather_evidence
 from app.photogrammetry.resection import Resection, ResectionOptions, resect
 from app.photogrammetry.resection_refusals import check_dots
 from app.services.choose_camera import KnownCameras, choose_cameras
 from app.services.workbench import workbench
+from app.storage.evidence_blob import blob_of_evidence
 from app.storage.snapshots import Located, NotFoundPose, RefusedBlob, Seen, SeenTarget
 from app.targets.family import family_by_name
 from app.vision.detector import DetectorOptions, detect
@@ -39,10 +41,11 @@ class LocateTask:
 
 @dataclass(frozen=True)
 class LocateOutcome:
-    """A pose or a refusal, and what was seen."""
+    """A pose or a refusal, what was seen, and what a pose tells of the map (``evidence_blob``)."""
 
     outcome: Located | NotFoundPose
     seen: Seen
+    evidence: bytes | None = None
 
 
 @dataclass
@@ -92,7 +95,8 @@ def locate_photo(task: LocateTask) -> LocateOutcome:
     except NotLocated as refusal:
         reason, advice = str(refusal.fields["reason"]), str(refusal.fields["advice"])
         return LocateOutcome(NotFoundPose(reason, refusal.detail, advice), _seen(detection, None, watch))
-    return LocateOutcome(_located(resection), _seen(detection, resection, watch))
+    evidence = gather_evidence(detection.targets, target_map, resection[0])
+    return LocateOutcome(_located(resection), _seen(detection, resection, watch), blob_of_evidence(evidence))
 
 
 def resect_best(
