@@ -26,6 +26,7 @@ from app.services.rates import Rate
 from app.services.readiness import Dependencies, Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
+from app.services.sheets.printer import SheetPrinter
 from app.services.site_transfer import SiteTransfers, TransferLimits
 from app.services.site_transfer_import import UNPACKED, ImportLimits
 from app.services.smoothing import Smoother
@@ -86,6 +87,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 smoother=Smoother(database, locating, settings.evaluate_timeout_s),
                 importer=TrajectoryImporter(locating, settings.evaluate_timeout_s, settings.data_dir),
                 reports=ReportWriter(locating, settings.report_timeout_s),
+                printer=SheetPrinter(locating, settings.report_timeout_s),
                 map_watch=MapWatch(database, locating, settings.evaluate_timeout_s),
                 readiness=Readiness(
                     Dependencies(database, photos, locating, settings.min_free_bytes, partial(_live_workers, database))

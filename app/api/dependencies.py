@@ -18,6 +18,7 @@ from app.services.metrics import ServiceMetrics
 from app.services.readiness import Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
+from app.services.sheets.printer import SheetPrinter
 from app.services.site_transfer import SiteTransfers
 from app.services.smoothing import Smoother
 from app.services.snapshot_keeper import SnapshotKeeper
@@ -47,6 +48,7 @@ class Services:
     locator: Locator
     reports: ReportWriter
     map_watch: MapWatch
+    printer: SheetPrinter
     bell: TrajectoryBell
     importer: TrajectoryImporter
     evaluator: Evaluator

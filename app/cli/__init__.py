@@ -26,6 +26,7 @@ from app.cli import (
     purge,
     restore,
     serve,
+    sheets,
     worker,
 )
 from app.errors import ScattermarkError
@@ -38,6 +39,7 @@ COMMANDS = {
     "build": build,
     "locate": locate,
     "evaluate": evaluate,
+    "sheets": sheets,
     "keys": keys,
     "migrate": migrate,
     "purge": purge,

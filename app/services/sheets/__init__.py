@@ -1,0 +1,1 @@
+"""Targets on paper: chosen, drawn as vectors, read back, delivered."""
