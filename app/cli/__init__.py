@@ -13,6 +13,7 @@ from typing import Any
 from app.cli import (
     backup,
     build,
+    calibrate,
     compile_,
     demo,
     detect,
@@ -37,6 +38,7 @@ COMMANDS = {
     "demo": demo,
     "detect": detect,
     "build": build,
+    "calibrate": calibrate,
     "locate": locate,
     "evaluate": evaluate,
     "sheets": sheets,

@@ -60,6 +60,14 @@ def positive(text: str) -> float:
     return number
 
 
+def non_negative(text: str) -> float:
+    """A number from zero on for argparse."""
+    number = float(text)
+    if not 0.0 <= number < float("inf"):
+        raise argparse.ArgumentTypeError(f"a number from zero on is needed, got {text}")
+    return number
+
+
 def photo_files(paths: list[Path]) -> list[Path]:
     """The photographs that paths name: files as they are, folders by the photographs in them, in order.
 

@@ -11,6 +11,7 @@ from app.api.problems import Problem, kind_of_slug, problem_of
 from app.api.schemas.common import WHOLE, Body, Listing, Truth, time_of
 from app.api.schemas.texts import LongText, Text
 from app.services.build_options import BuildOptions, Exclusion
+from app.services.job_kinds import BUILD
 from app.services.surveys import AddedPhoto
 from app.storage.jobs import Job
 from app.storage.paging import Page
@@ -195,6 +196,6 @@ def _error(job: Job) -> Problem | None:
 
 
 def _result(job: Job) -> dict[str, Any] | None:
-    if job.result is None:
-        return None
+    if job.result is None or job.kind != BUILD:
+        return job.result
     return {**job.result, "report_url": f"/sites/{job.site_id}/report?version={job.result['map_version']}"}
