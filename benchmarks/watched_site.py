@@ -1,7 +1,7 @@
-"""A site whose snapshots are synthesised without pixels: a map that errs as it says, targets that move, phones that err.
+"""A site whose snapshots are synthesised without pixels: a map that errs as it says, targets that move.
 
-What a snapshot errs by: each plate's image is shifted as a whole and each dot by itself, the focal length breathes, some
-codes are misread as those of other targets, and some pictures are bad as a whole.
+What a snapshot errs by: each plate's image is shifted as a whole and each dot by itself, the focal length breathes,
+some codes are misread as those of other targets, and some pictures are bad as a whole.
 """
 
 from __future__ import annotations
@@ -144,7 +144,8 @@ class WatchedSite:
         x_m, y_m, _ = options.room.size_m
         position_m = rng.uniform([1.0, 1.0, 1.2], [x_m - 1.0, y_m - 1.0, 1.8])
         heading_rad, up_rad = rng.uniform(0.0, 2.0 * np.pi), rng.normal(0.0, 0.1)
-        site_from_cam = look_at(position_m, position_m + [np.cos(heading_rad), np.sin(heading_rad), np.tan(up_rad)])
+        ahead_m = np.array([np.cos(heading_rad), np.sin(heading_rad), np.tan(up_rad)])
+        site_from_cam = look_at(position_m, position_m + ahead_m)
         breath = np.array([1.0 + rng.normal(0.0, options.focal_share)] * 2 + [1.0] * 7)
         camera = self._camera.with_intrinsics(self._camera.intrinsics * breath)
         worse = 10.0 if rng.random() < options.bad_share else 1.0
