@@ -125,16 +125,29 @@ class CodeFamily:
         hidden = digits == ERASED
         erased = hidden.sum(axis=1)
         words = np.where(hidden, 0, digits)
-        changes = self._changes[self._syndromes(words)]  # (N, L, 11)
+        codes, corrected = codes_of_digits(words), np.zeros(len(words), dtype=np.int64)
+        syndromes = self._syndromes(words)
+        # Most words are whole and right: the search is for the others.
+        odd = np.flatnonzero((syndromes != 0) | (erased > 0))
+        if len(odd):
+            codes[odd], corrected[odd] = self._mended(words[odd], hidden[odd], syndromes[odd], max_corrections)
+        readable = codes > 0
+        return np.where(readable, codes, UNDECODABLE), np.where(readable, corrected, 0), erased
+
+    def _mended(
+        self, words: Digits, hidden: npt.NDArray[np.bool_], syndromes: Counts, max_corrections: int
+    ) -> tuple[Codes, Counts]:
+        """Codes of words of shape (N, 11) and how many seen digits they change; -1 where that is more than allowed."""
+        changes = self._changes[syndromes]  # (N, L, 11)
         errors = ((changes != 0) & ~hidden[:, None]).sum(axis=2)
-        allowed = np.minimum(max_corrections, (self.distance - 1 - erased) // 2)  # negative: too many are hidden
+        # Negative: too many are hidden.
+        allowed = np.minimum(max_corrections, (self.distance - 1 - hidden.sum(axis=1)) // 2)
         # Within the budget at most one change fits, so the least is the only one.
         best = errors.argmin(axis=1)
-        rows = np.arange(len(digits))
+        rows = np.arange(len(words))
         corrected = errors[rows, best]
         codes = codes_of_digits((words - changes[rows, best]) % DIGIT_BASE)
-        readable = (corrected <= allowed) & (codes != 0)
-        return np.where(readable, codes, UNDECODABLE), np.where(readable, corrected, 0), erased
+        return np.where(corrected <= allowed, codes, UNDECODABLE), corrected
 
     def _syndromes(self, words: Digits) -> Counts:
         """Syndromes of words of shape (..., 11) as one number each, shape (...); 0 for a codeword."""

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from app.vision.kernels.labels import label_blobs
 from app.vision.kernels.peaks import TILE_COLUMNS, TILE_ROWS
-from app.vision.kernels.redness import measure_redness
+from app.vision.kernels.redness import measure_redness, shares_of
 from app.vision.kernels.rings import measure_contrast
 
 Array = npt.NDArray[np.float64]
@@ -103,7 +103,7 @@ def _redness(bgr: Pixels, options: DotOptions) -> tuple[Pixels, Pixels]:
     height, width = bgr.shape[:2]
     redness = np.empty((height, width), dtype=np.uint8)
     hot = np.empty((-(-height // TILE_ROWS), -(-width // TILE_COLUMNS)), dtype=np.uint8)
-    gain, ratio = np.float32(_red_gain(bgr, options)), np.float32(options.red_ratio)
+    gain, ratio = (shares_of(factor) for factor in (_red_gain(bgr, options), options.red_ratio))
     measure_redness(np.ascontiguousarray(bgr), gain, ratio, np.uint8(options.red_floor), redness, hot)
     return redness, hot
 

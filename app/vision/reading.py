@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -113,21 +113,24 @@ def read_plates(
     unchecked = (hidden > 0) & (hidden >= book.family.distance - 1) & (least_sure < options.sure_min)
     measured = plates.dots.measured & _show_their_ink(decoded[:, 0], digits)
     explained = plates.fits.explained()
+    reasons = plates.judgement.reasons
+    spoilt, unsure = (hidden >= book.family.distance).tolist(), unchecked.tolist()
+    reported = (explained > options.report_explained_min).tolist()
+    words: list[list[int]] = decoded.tolist()
     targets: dict[int, TargetObservation] = {}
     rejected: list[Rejected] = []
-    for plate in np.argsort(-explained, kind="stable"):
-        code, corrected, erased = (int(value) for value in decoded[plate])
-        reason = plates.judgement.reasons[plate] or book.objection(code, corrected, erased)
-        if reason == "code-not-in-family" and hidden[plate] >= book.family.distance:
+    for plate in np.argsort(-explained, kind="stable").tolist():
+        code, corrected, erased = words[plate]
+        reason = reasons[plate] or book.objection(code, corrected, erased)
+        if reason == "code-not-in-family" and spoilt[plate]:
             reason = "unreadable"
-        if not reason and unchecked[plate]:
+        if not reason and unsure[plate]:
             reason = "unreadable"
         if not reason and code in targets:
             reason = "duplicate-code"
         if not reason:
-            found = _target(plates, plate, (code, corrected, erased), measured[plate])
-            targets[code] = replace(found, plate_sigmas=options.plate_sigmas)
-        elif reason not in COLOUR_REASONS or explained[plate] > options.report_explained_min:
+            targets[code] = _target(plates, plate, words[plate], measured[plate], options.plate_sigmas)
+        elif reason not in COLOUR_REASONS or reported[plate]:
             rejected.append(_rejected(plates, plate, reason, code if reason == "duplicate-code" else None))
     return tuple(targets.values()), tuple(rejected)
 
@@ -140,9 +143,9 @@ def _show_their_ink(codes: Codes, digits: npt.NDArray[np.int8]) -> npt.NDArray[n
 
 
 def _target(
-    plates: MeasuredPlates, plate: np.intp, decoded: tuple[int, int, int], measured: npt.NDArray[np.bool_]
+    plates: MeasuredPlates, plate: int, word: list[int], measured: npt.NDArray[np.bool_], shared: PlateSigmas
 ) -> TargetObservation:
-    code, corrected, erased = decoded
+    code, corrected, erased = word
     return TargetObservation(
         code=code,
         centres_px=plates.dots.centres_px[plate],
@@ -151,9 +154,10 @@ def _target(
         corrected=corrected,
         erased=erased,
         rms_px=float(plates.judgement.rms_px[plate]),
+        plate_sigmas=shared,
     )
 
 
-def _rejected(plates: MeasuredPlates, plate: np.intp, reason: str, code: int | None) -> Rejected:
+def _rejected(plates: MeasuredPlates, plate: int, reason: str, code: int | None) -> Rejected:
     corners_px: npt.NDArray[np.float64] = plates.dots.centres_px[plate][list(BASE_CELLS[:4])]
     return Rejected(reason, corners_px.mean(axis=0), REASON_TEXT[reason], code, corners_px)

@@ -6,14 +6,16 @@ import numpy as np
 import numpy.typing as npt
 
 from app.compiled import compiled
-from app.vision.kernels.peaks import TILE_COLUMNS, TILE_ROWS, mark_upper_half
+from app.vision.kernels.peaks import TILE_COLUMNS, TILE_ROWS, mark_upper_half, room_for_tiles
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 Pixels = npt.NDArray[np.uint8]
+Words = npt.NDArray[np.uint64]
 
 MOMENTS = 6
 START, END, LABEL = 0, 1, 2
+PIXELS_PER_WORD = 8
 FIRST_LABELS = 4096  # room to begin with; it doubles as needed
 
 
@@ -26,24 +28,28 @@ def _root(parents: Indices, label: int) -> int:
     return label
 
 
-@compiled("int64(uint8[::1], int64, int64, int64[:, ::1], int64)")
-def _find_runs(marked: Pixels, first: int, last: int, runs: Indices, count: int) -> int:
-    """Append the runs of marked pixels in columns ``first`` to ``last``, a whole number of tiles; the new count."""
-    words = marked.view(np.uint64)
-    inside = False
-    for word in range(first // 8, last // 8):
-        if words[word] == 0 and not inside:
-            continue
-        for x in range(8 * word, 8 * word + 8):
-            if marked[x] and not inside:
-                runs[count, START] = x
-            elif inside and not marked[x]:
-                runs[count, END] = x
-                count += 1
-            inside = marked[x] != 0
-    if inside:
-        runs[count, END] = last
-        count += 1
+@compiled("int64(uint8[::1], uint64[::1], int64[:, ::1], int64, int64[:, ::1])")
+def _find_runs(marked: Pixels, words: Words, spans: Indices, span_count: int, runs: Indices) -> int:
+    """The runs of marked pixels of a row within spans of columns, whole numbers of tiles, written; their number.
+
+    ``words`` are the same pixels, eight in each: most of them are passed by as one.
+    """
+    count = 0
+    for span in range(span_count):
+        inside = False
+        for word in range(spans[span, START] // PIXELS_PER_WORD, spans[span, END] // PIXELS_PER_WORD):
+            if words[word] == 0 and not inside:
+                continue
+            for x in range(PIXELS_PER_WORD * word, PIXELS_PER_WORD * (word + 1)):
+                if marked[x] and not inside:
+                    runs[count, START] = x
+                elif inside and not marked[x]:
+                    runs[count, END] = x
+                    count += 1
+                inside = marked[x] != 0
+        if inside:
+            runs[count, END] = spans[span, END]
+            count += 1
     return count
 
 
@@ -134,20 +140,19 @@ def label_blobs(redness: Pixels, hot: Pixels, floor: np.uint8) -> Array:
     height, width = redness.shape
     wide = hot.shape[1] * TILE_COLUMNS
     marked, spans = np.zeros((TILE_ROWS, wide), dtype=np.uint8), np.empty((hot.shape[1], 2), dtype=np.int64)
+    words = marked.view(np.uint64)
     above, runs = np.empty((wide, 3), dtype=np.int64), np.empty((wide, 3), dtype=np.int64)
     parents, moments = np.empty(FIRST_LABELS, dtype=np.int64), np.zeros((FIRST_LABELS, MOMENTS))
-    above_count, labels = 0, 0
+    above_count, labels, room = 0, 0, room_for_tiles()
     for y in range(height):
         inner = y % TILE_ROWS
         if inner == 0:
             span_count = _find_spans(hot[y // TILE_ROWS], spans)
             for span in range(span_count):
                 for left in range(spans[span, START], spans[span, END], TILE_COLUMNS):
-                    mark_upper_half(redness, floor, y, left, marked)
+                    mark_upper_half(redness, floor, (y, left), room, marked)
             marked[:, width:] = 0
-        count = 0
-        for span in range(span_count):
-            count = _find_runs(marked[inner], spans[span, START], spans[span, END], runs, count)
+        count = _find_runs(marked[inner], words[inner], spans, span_count, runs)
         while labels + count > len(parents):
             parents = np.concatenate((parents, np.empty(len(parents), dtype=np.int64)))
             moments = np.concatenate((moments, np.zeros(moments.shape)))

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from app.compiled import compiled
 
 Pixels = npt.NDArray[np.uint8]
+Sums = npt.NDArray[np.uint16]
 
 TILE_ROWS, TILE_COLUMNS = 16, 64  # small enough to leave most of a picture out, long enough for vector registers
 SMOOTH_PX = 3  # box that averages the redness: pixel noise must not break a dot or make one
@@ -24,7 +25,15 @@ HALF_WINDOW_PX = PEAK_WINDOW_PX // 2
 REACH_PX = SMOOTH_PX // 2 + HALF_WINDOW_PX
 ROW = TILE_COLUMNS + 16  # of the tile with its surroundings; a multiple of a register's length
 BLOCK = ROW * (TILE_ROWS + 2 * REACH_PX)
+# One over the square's pixels, in parts of 2^16: with half of them added the product's upper half is rounded rightly.
+SHARE = 2**16 // SMOOTH_PX**2 + 1
 SPARE = 16  # pixels past the end that are read and mean nothing
+
+
+@compiled("Tuple((uint8[:, ::1], uint16[::1]))()")
+def room_for_tiles() -> tuple[Pixels, Sums]:
+    """Room for a tile with its surroundings, three times, and for sums."""
+    return np.zeros((3, BLOCK + 6 * ROW), dtype=np.uint8), np.zeros(BLOCK + SPARE, dtype=np.uint16)
 
 
 @compiled("void(uint8[:, ::1], int64, int64, uint8[::1])")
@@ -44,16 +53,16 @@ def _load(redness: Pixels, top: int, left: int, block: Pixels) -> None:
 
 
 @compiled("void(uint8[::1], uint16[::1])")
-def _smooth(block: Pixels, sums: npt.NDArray[np.uint16]) -> None:
+def _smooth(block: Pixels, sums: Sums) -> None:
     """Average, in place, over the square of which each pixel is the first corner."""
-    share = np.float32(1.0 / SMOOTH_PX**2)
+    half, share = np.uint16(SMOOTH_PX**2 // 2), np.uint32(SHARE)
     second, third = block[ROW:], block[2 * ROW :]
     for x in range(BLOCK - 2 * ROW):
         sums[x] = np.uint16(block[x]) + np.uint16(second[x]) + np.uint16(third[x])
     next_sums, last_sums = sums[1:], sums[2:]
     for x in range(BLOCK - 2 * ROW):
-        total = np.float32(np.uint16(sums[x] + next_sums[x] + last_sums[x]))
-        block[x] = np.uint8(np.int32(total * share + np.float32(0.5)))
+        total = np.uint16(sums[x] + next_sums[x] + last_sums[x] + half)
+        block[x] = np.uint8(np.uint32(total) * share >> np.uint32(16))
 
 
 @compiled("void(uint8[::1], int64, uint8[::1])")
@@ -64,8 +73,10 @@ def _lift(pixels: Pixels, shift: int, lifted: Pixels) -> None:
         lifted[x] = pixels[x] if pixels[x] > further[x] else further[x]
 
 
-@compiled("void(uint8[:, ::1], uint8, int64, int64, uint8[:, ::1])")
-def mark_upper_half(redness: Pixels, floor: np.uint8, top: int, left: int, marked: Pixels) -> None:
+@compiled("void(uint8[:, ::1], uint8, UniTuple(int64, 2), Tuple((uint8[:, ::1], uint16[::1])), uint8[:, ::1])")
+def mark_upper_half(
+    redness: Pixels, floor: np.uint8, place: tuple[int, int], room: tuple[Pixels, Sums], marked: Pixels
+) -> None:
     """Mark the pixels of a tile that stand above half their peak and above the floor.
 
     Parameters
@@ -73,14 +84,15 @@ def mark_upper_half(redness: Pixels, floor: np.uint8, top: int, left: int, marke
     redness : ndarray of shape (H, W), uint8
     floor : int
         Least average, grey values.
-    top, left : int
-        The tile's first pixel.
-    marked : ndarray of shape (16, columns), uint8, written from ``left`` on
+    place : tuple of int
+        The tile's first pixel: row, column.
+    room : tuple of ndarray
+        What ``room_for_tiles`` gives: it serves one tile after the other.
+    marked : ndarray of shape (16, columns), uint8, written from the tile's column on
     """
-    room = np.zeros((3, BLOCK + 6 * ROW), dtype=np.uint8)
-    smooth, one, other = room[0], room[1], room[2]
-    _load(redness, top - REACH_PX, left - REACH_PX, smooth)
-    _smooth(smooth, np.zeros(BLOCK + SPARE, dtype=np.uint16))
+    smooth, one, other, sums, left = room[0][0], room[0][1], room[0][2], room[1], place[1]
+    _load(redness, place[0] - REACH_PX, left - REACH_PX, smooth)
+    _smooth(smooth, sums)
     # The greatest of seven from that of two and of four, down and along.
     _lift(smooth, ROW, one)
     _lift(one, 2 * ROW, other)

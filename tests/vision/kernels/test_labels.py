@@ -4,7 +4,7 @@ import pytest
 
 from app.vision.kernels.labels import label_blobs
 from app.vision.kernels.peaks import PEAK_WINDOW_PX, SMOOTH_PX, TILE_COLUMNS, TILE_ROWS
-from app.vision.kernels.redness import measure_redness
+from app.vision.kernels.redness import SHARE_BITS, measure_redness, shares_of
 
 FLOOR, RATIO = 12, 1.2
 MARGIN = SMOOTH_PX + PEAK_WINDOW_PX
@@ -22,7 +22,7 @@ def labelled(bgr: np.ndarray, gain: float = 1.0) -> tuple[np.ndarray, np.ndarray
     height, width = bgr.shape[:2]
     redness = np.full((height, width), 77, dtype=np.uint8)
     hot = np.full((-(-height // TILE_ROWS), -(-width // TILE_COLUMNS)), 77, dtype=np.uint8)
-    measure_redness(bgr, np.float32(gain), np.float32(RATIO), np.uint8(FLOOR), redness, hot)
+    measure_redness(bgr, shares_of(gain), shares_of(RATIO), np.uint8(FLOOR), redness, hot)
     return label_blobs(redness, hot, np.uint8(FLOOR)), redness, hot
 
 
@@ -81,7 +81,10 @@ def test_redness_is_red_over_the_greater_of_the_others() -> None:
     _, redness, _ = labelled(bgr, gain=1.1)
     blue, green, red = np.moveaxis(bgr.astype(float), 2, 0)
     expected = np.clip(1.1 * red - RATIO * np.maximum(blue, green), 0.0, 255.0)
-    np.testing.assert_allclose(redness, expected, atol=0.501)
+    factor_rounding = 255.0 / 2 ** (SHARE_BITS + 1)
+    np.testing.assert_allclose(redness, expected, atol=0.501 + 2.0 * factor_rounding)
+    exact = (shares_of(1.1) * red - shares_of(RATIO) * np.maximum(blue, green)) / 2**SHARE_BITS
+    np.testing.assert_allclose(redness, np.clip(exact, 0.0, 255.0), atol=0.501)
 
 
 def test_more_labels_than_there_is_room_for_at_first() -> None:
