@@ -18,7 +18,7 @@ from app.trajectories.metrics.summary import Summary
 
 Row = tuple[str, Callable[[Evaluation], str]]
 
-METRES = "{:.4f} m"
+METRES, NONE = "{:.4f} m", "-"
 AXES = ("x", "y", "z")
 STRETCHES: tuple[tuple[Unit, str], ...] = (("frames", "frame"), ("metres", "metre"), ("seconds", "second"))
 
@@ -26,14 +26,16 @@ STRETCHES: tuple[tuple[Unit, str], ...] = (("frames", "frame"), ("metres", "metr
 def print_evaluations(
     evaluations: Mapping[str, Evaluation], differences: Sequence[Difference], bands_m: Sequence[float]
 ) -> None:
-    """One column per system, one row per metric and per band of errors; then who is better than whom."""
+    """One column per system, one row per metric that any has, per zone and per band; then who is better than whom."""
     console = Console()
     table = Table(show_edge=False)
-    table.add_column("estimate - reference")
+    table.add_column("estimate - reference", no_wrap=True)
     for name in evaluations:
         table.add_column(name, justify="right", overflow="fold")
-    for label, value in (*ROWS, *_band_rows(bands_m)):
-        table.add_row(label, *(value(evaluation) for evaluation in evaluations.values()))
+    for label, value in (*ROWS, *_zone_rows(evaluations), *_band_rows(bands_m)):
+        texts = [value(evaluation) for evaluation in evaluations.values()]
+        if any(text != NONE for text in texts):
+            table.add_row(label, *texts)
     console.print(table)
     for name, evaluation in evaluations.items():
         if evaluation.verdict is not None:
@@ -55,8 +57,13 @@ def _offset(evaluation: Evaluation) -> str:
     return f"{offset.offset_s:.4f} s" + (f" +- {offset.sigma_s:.4f}" if offset.sigma_s else "")
 
 
+def _latency(evaluation: Evaluation) -> str:
+    latency_s = evaluation.availability.latency_s
+    return NONE if latency_s is None else f"{latency_s.median:.3f} s, {latency_s.quantile_95:.3f} s"
+
+
 def _share(value: float | None) -> str:
-    return "-" if value is None else f"{100 * value:.1f} %"
+    return NONE if value is None else f"{100 * value:.1f} %"
 
 
 def _vector(values: Sequence[float]) -> str:
@@ -78,7 +85,7 @@ def _absolute(evaluation: Evaluation) -> str:
 
 def _relative(unit: Unit, evaluation: Evaluation) -> str:
     found = evaluation.pose_errors.relative.get(unit)
-    return "-" if found is None else _pose_error(found["trans"], found["rot_deg"])
+    return NONE if found is None else _pose_error(found["trans"], found["rot_deg"])
 
 
 def _pose_error(position: Summary, orientation_deg: Summary | None) -> str:
@@ -93,8 +100,8 @@ ROWS: tuple[Row, ...] = (
     *((f"bias {axis}", partial(_bias, row)) for row, axis in enumerate(AXES)),
     *((f"RMS {axis}", partial(_rms, row)) for row, axis in enumerate(AXES)),
     ("RMS in the plan", lambda e: _metres(e.accuracy.horizontal.rms)),
-    ("RMS in space (95 % interval)", lambda e: _with_interval(e.intervals.rms)),
-    ("mean in space (95 % interval)", lambda e: _with_interval(e.intervals.mean)),
+    ("RMS in space (interval)", lambda e: _with_interval(e.intervals.rms)),
+    ("mean in space (interval)", lambda e: _with_interval(e.intervals.mean)),
     ("CE50, CE95 (m)", lambda e: _vector((e.accuracy.horizontal.median, e.accuracy.horizontal.quantile_95))),
     ("VE50, VE95 (m)", lambda e: _vector((e.accuracy.vertical.median, e.accuracy.vertical.quantile_95))),
     ("SE50, SE95 (m)", lambda e: _vector((e.accuracy.spatial.median, e.accuracy.spatial.quantile_95))),
@@ -103,7 +110,20 @@ ROWS: tuple[Row, ...] = (
     ("EvAAL third quartile", lambda e: _metres(e.evaal.quantile_75)),
     ("right storey", lambda e: _share(None if e.floors is None else e.floors.detection_probability)),
     ("reference covered", lambda e: _share(e.availability.covered_share)),
+    ("latency (median, 95 %)", _latency),
 )
+
+
+def _zone_rows(evaluations: Mapping[str, Evaluation]) -> list[Row]:
+    zones = dict.fromkeys(zone for evaluation in evaluations.values() for zone in evaluation.zones)
+    return [(f"{zone}: SE50, SE95 (m)", partial(_in_zone, zone)) for zone in zones]
+
+
+def _in_zone(zone: str, evaluation: Evaluation) -> str:
+    found = evaluation.zones.get(zone)
+    if found is None:
+        return NONE
+    return f"{_vector((found.spatial.median, found.spatial.quantile_95))} of {found.spatial.count}"
 
 
 def _band_rows(bands_m: Sequence[float]) -> list[Row]:

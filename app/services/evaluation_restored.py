@@ -17,6 +17,7 @@ from app.trajectories.evaluation import Evaluation, Match, judge
 from app.trajectories.evaluation_options_record import options_of_record
 from app.trajectories.metrics.availability import Availability
 from app.trajectories.metrics.bootstrap import Interval
+from app.trajectories.metrics.summary import Summary
 from app.trajectories.time_offset import TimeOffset
 
 
@@ -41,7 +42,14 @@ def _match(record: dict[str, Any], pairs: Pairs) -> Match:
         pairs=pairs,
         time_offset=TimeOffset(**record["time_offset"]),
         alignment=Alignment(found["kind"], similarity, found["pairs_used"]),
-        availability=Availability(**record["availability"]),
+        availability=_availability(record["availability"]),
+    )
+
+
+def _availability(record: dict[str, Any]) -> Availability:
+    latency_s = record.get("latency_s")  # evaluations of older versions tell none
+    return Availability(
+        record["covered_share"], record["longest_silence_s"], None if latency_s is None else Summary(**latency_s)
     )
 
 

@@ -14,12 +14,13 @@ from app.storage.records import GeoAnchor, Site
 from app.storage.sites import SiteRepository
 from app.storage.trajectories import TrajectoryRepository
 from app.storage.trajectory_parts import StoredTrajectory, TimeRange
+from app.trajectories.competition_formats import posi_text, position_log_text
 from app.trajectories.formats import csv_text, geojson_text
 from app.trajectories.geopose import geopose_text
 from app.trajectories.robotics_formats import euroc_text, kitti_text, kitti_times_text, tum_text
 from app.trajectories.trajectory import Trajectory
 
-TextFormat = Literal["csv", "tum", "kitti", "kitti-times", "euroc", "geojson", "geopose"]
+TextFormat = Literal["csv", "tum", "kitti", "kitti-times", "euroc", "evaal", "posi", "geojson", "geopose"]
 Write = Callable[[Iterable[Trajectory]], Iterator[str]]
 
 PLAIN: dict[TextFormat, Write] = {
@@ -28,6 +29,7 @@ PLAIN: dict[TextFormat, Write] = {
     "kitti": kitti_text,
     "kitti-times": kitti_times_text,
     "euroc": euroc_text,
+    "evaal": position_log_text,
 }
 NEEDS_ORIENTATIONS: tuple[TextFormat, ...] = ("tum", "kitti", "euroc", "geopose")
 
@@ -43,8 +45,8 @@ def trajectory_text(database: Database, trajectory_id: str, wanted: TextFormat, 
     NotFound
         Before the first piece.
     Conflict
-        For geojson and geopose when the site is not tied to the Earth, and for a format with orientations when the
-        trajectory has positions only; before the first piece.
+        For posi, geojson and geopose when the site is not tied to the Earth, and for a format with orientations when
+        the trajectory has positions only; before the first piece.
     """
     with database.reading() as session:
         trajectory = TrajectoryRepository(session).get(trajectory_id)
@@ -71,6 +73,8 @@ def writer_of(wanted: TextFormat, trajectory: StoredTrajectory, site: Site) -> W
     if wanted in PLAIN:
         return PLAIN[wanted]
     anchor = _anchor_of(site)
+    if wanted == "posi":
+        return partial(posi_text, geodetic=partial(geodetic, anchor=anchor))
     if wanted == "geopose":
         return partial(geopose_text, geodetic=partial(geodetic, anchor=anchor), enu_from_site=enu_from_site(anchor))
     members = {"site_id": site.site_id, "trajectory_id": trajectory.trajectory_id}

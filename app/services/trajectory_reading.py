@@ -6,21 +6,24 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from app.errors import Conflict, InvalidInput
 from app.services.capture_time import LATEST_S
-from app.services.geodesy import site_of_geodetic
+from app.services.geodesy import enu_from_site, site_of_geodetic
 from app.storage.records import GeoAnchor
 from app.trajectories.reading.any_file import format_of, read_trajectory
 from app.trajectories.reading.evaal import POSI, posi_table
 from app.trajectories.reading.geojson import read_geojson
+from app.trajectories.reading.geopose import read_geopose
 from app.trajectories.reading.kitti import read_kitti
 from app.trajectories.reading.poses import Reading, times_s_of, whole_floors
 from app.trajectories.reading.table import UnreadableTrajectory
 from app.trajectories.reading.time_units import TimeUnit, UnitName
 from app.trajectories.trajectory import Array, Trajectory
 
-ImportFormat = Literal["csv", "tum", "euroc", "kitti", "evaal", "geojson"]
+ImportFormat = Literal["csv", "tum", "euroc", "kitti", "evaal", "geojson", "geopose"]
+SEEN = 4096  # bytes of a file that tell its kind
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,12 @@ def _format_of(file: TrajectoryFile) -> ImportFormat:
         return "kitti"
     if _holds_posi(file.data):
         return "evaal"
-    return "geojson" if file.data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") else format_of(file.data)
+    begin = file.data[:SEEN].lstrip(b"\xef\xbb\xbf \t\r\n")
+    if begin.startswith(b"["):
+        return "geopose"
+    if begin.startswith(b"{"):
+        return "geopose" if b'"quaternion"' in begin and b'"features"' not in begin else "geojson"
+    return format_of(file.data)
 
 
 def _reading(file: TrajectoryFile, file_format: ImportFormat, anchor: GeoAnchor | None) -> Reading:
@@ -89,6 +97,8 @@ def _reading(file: TrajectoryFile, file_format: ImportFormat, anchor: GeoAnchor 
         return read_kitti(file.data, file.times, file.time_unit)
     if file_format == "geojson":
         return _of_geojson(file.data, anchor)
+    if file_format == "geopose":
+        return _of_geopose(file.data, anchor)
     if file_format == "evaal" and _holds_posi(file.data):
         return _of_posi(file, anchor)
     return read_trajectory(file.data, file_format, file.time_unit)
@@ -102,9 +112,24 @@ def _holds_posi(data: bytes) -> bool:
 
 def _of_geojson(data: bytes, anchor: GeoAnchor | None) -> Reading:
     poses = read_geojson(data)
-    positions_m = _site_m(poses.places_deg_m, anchor)
-    trajectory = Trajectory(poses.times_s, positions_m, poses.orientations_xyzw, floors=poses.floors)
+    trajectory = Trajectory(
+        poses.times_s,
+        _site_m(poses.places_deg_m, anchor),
+        poses.orientations_xyzw,
+        poses.covariances,
+        poses.floors,
+        poses.arrived_s,
+    )
     return Reading(trajectory, TimeUnit("s", detected=True))
+
+
+def _of_geopose(data: bytes, anchor: GeoAnchor | None) -> Reading:
+    poses = read_geopose(data)
+    positions_m = _site_m(poses.places_deg_m, anchor)
+    assert anchor is not None and poses.orientations_xyzw is not None
+    site_from_enu = Rotation.from_matrix(enu_from_site(anchor).T)
+    orientations_xyzw = (site_from_enu * Rotation.from_quat(poses.orientations_xyzw)).as_quat(canonical=True)
+    return Reading(Trajectory(poses.times_s, positions_m, orientations_xyzw), TimeUnit("ms", detected=True))
 
 
 def _of_posi(file: TrajectoryFile, anchor: GeoAnchor | None) -> Reading:

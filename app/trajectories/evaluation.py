@@ -10,7 +10,7 @@ from app.trajectories.alignment import Alignment, AlignmentOptions, align
 from app.trajectories.association import AssociationOptions, Pairs, associate
 from app.trajectories.lever_arm import with_lever_arm
 from app.trajectories.metrics.accuracy import Accuracy, accuracy_of
-from app.trajectories.metrics.availability import Availability, availability
+from app.trajectories.metrics.availability import Availability, availability_of
 from app.trajectories.metrics.bootstrap import BootstrapOptions, Interval, interval_of
 from app.trajectories.metrics.distinguishable import Verdict, verdict_on
 from app.trajectories.metrics.errors import Errors, errors_of
@@ -140,12 +140,13 @@ def match(reference: Trajectory, estimate: Trajectory, options: EvaluationOption
     offset = _time_offset(reference, estimate, options)
     matched = associate(reference, estimate, options.association, offset.offset_s)
     alignment = align(matched, options.alignment)
-    stamps_s = estimate.times_s + offset.offset_s
     return Match(
         pairs=replace(matched, estimate=alignment.apply(matched.estimate)),
         time_offset=offset,
         alignment=alignment,
-        availability=availability(reference.times_s, stamps_s, options.association.max_gap_s),
+        availability=availability_of(
+            reference.times_s, estimate.shifted(offset.offset_s), options.association.max_gap_s
+        ),
     )
 
 

@@ -25,14 +25,17 @@ COVARIANCE_COLUMNS = tuple(
 POSITION_COLUMNS, QUATERNION_COLUMNS = ("x_m", "y_m", "z_m"), ("qx", "qy", "qz", "qw")
 UNCERTAINTY_COLUMNS = (*SIGMA_COLUMNS, *COVARIANCE_COLUMNS)
 CSV_COLUMNS = ("time_utc", "time_s", *POSITION_COLUMNS, *QUATERNION_COLUMNS, *UNCERTAINTY_COLUMNS)
-FLOOR_COLUMN = "floor"
+FLOOR_COLUMN, ARRIVED_COLUMN = "floor", "arrived_s"
 CSV_POSITION, CSV_TURN, CSV_NO_TURN = "%.6f,%.6f,%.6f,%.6f", ",%.9f,%.9f,%.9f,%.9f", ",,,,"
 DEGREE_DIGITS = 9  # 0.1 mm on the ground
 HEIGHT_DIGITS, METRES_DIGITS = 4, 6  # 0.1 mm, a micrometre
+COVARIANCE_DIGITS = 7  # significant ones, as in CSV
 
 
 def csv_text(parts: Iterable[Trajectory]) -> Iterator[str]:
-    """One line per pose under a heading; what a trajectory does not tell stays empty, storeys have a column if told.
+    """One line per pose under a heading; what a trajectory does not tell stays empty.
+
+    Storeys and arrivals have a column if told.
 
     ``time_s`` counts from 1970 in UTC; ``time_utc`` says the same for people. Sigmas are the roots of the covariance's
     diagonal; ``cov_x_ry`` is in m rad.
@@ -40,10 +43,11 @@ def csv_text(parts: Iterable[Trajectory]) -> Iterator[str]:
     heading = ",".join(CSV_COLUMNS)
     for part in parts:
         if heading:
-            yield heading + ("\n" if part.floors is None else f",{FLOOR_COLUMN}\n")
+            told = ((FLOOR_COLUMN, part.floors), (ARRIVED_COLUMN, part.arrived_s))
+            yield ",".join([heading, *(name for name, values in told if values is not None)]) + "\n"
             heading = ""
-        columns = zip(_position_texts(part), _turn_texts(part), _sigma_texts(part), _floor_texts(part), strict=True)
-        yield "".join("".join(pieces) for pieces in columns)
+        columns = (_position_texts(part), _turn_texts(part), _sigma_texts(part), _floor_texts(part), _arrived(part))
+        yield "".join(f"{''.join(pieces)}\n" for pieces in zip(*columns, strict=True))
     if heading:
         yield heading + "\n"
 
@@ -105,8 +109,14 @@ def _sigma_texts(part: Trajectory) -> Iterator[str]:
 
 def _floor_texts(part: Trajectory) -> Iterator[str]:
     if part.floors is None:
-        return repeat("\n", len(part))
-    return (f",{floor}\n" for floor in part.floors.tolist())
+        return repeat("", len(part))
+    return (f",{floor}" for floor in part.floors.tolist())
+
+
+def _arrived(part: Trajectory) -> Iterator[str]:
+    if part.arrived_s is None:
+        return repeat("", len(part))
+    return (f",{arrived_s:.6f}" for arrived_s in part.arrived_s.tolist())
 
 
 def _features(part: Trajectory, geodetic: Array) -> Iterator[dict[str, Any]]:
@@ -120,9 +130,20 @@ def _features(part: Trajectory, geodetic: Array) -> Iterator[dict[str, Any]]:
         properties["orientation_xyzw"] = part.orientations_xyzw.tolist()
     if part.floors is not None:
         properties["floor"] = part.floors.tolist()
-    if part.sigmas is not None:
+    if part.arrived_s is not None:
+        properties["arrived"] = iso_times(part.arrived_s).tolist()
+    if part.sigmas is not None and part.covariances is not None:
         properties["position_sigma_m"] = part.sigmas[:, :3].tolist()
+        properties["covariance"] = _significant(part.covariances).tolist()
     for row, place in enumerate(coordinates):
         point = {"type": "Point", "coordinates": place}
         told = {name: values[row] for name, values in properties.items()}
         yield {"type": "Feature", "geometry": point, "properties": told}
+
+
+def _significant(values: Array) -> Array:
+    """Values rounded to the digits that are worth writing."""
+    sizes = np.abs(values)
+    powers = np.floor(np.log10(sizes, out=np.zeros_like(sizes), where=sizes > 0))
+    steps = 10.0 ** (COVARIANCE_DIGITS - 1 - powers)
+    return np.asarray(np.round(values * steps) / steps)

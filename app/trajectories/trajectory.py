@@ -30,6 +30,8 @@ class Trajectory:
         orientations. None when the source of the poses told none.
     floors : ndarray of int, shape (N,), or None
         Storey of each pose, when the source told it.
+    arrived_s : ndarray of shape (N,) or None
+        When each pose was there to be used, by the clock of ``times_s``; None when the source told only when it holds.
     """
 
     times_s: Array
@@ -37,6 +39,7 @@ class Trajectory:
     orientations_xyzw: Array | None = None
     covariances: Array | None = None
     floors: npt.NDArray[np.int64] | None = None
+    arrived_s: Array | None = None
 
     def __post_init__(self) -> None:
         count = len(self.times_s)
@@ -47,6 +50,8 @@ class Trajectory:
             _check("covariances", self.covariances, (count, freedoms, freedoms))
         if self.floors is not None and self.floors.shape != (count,):
             raise ValueError(f"floors of {count} poses takes the shape ({count},), got {self.floors.shape}")
+        if self.arrived_s is not None:
+            _check("arrived_s", self.arrived_s, (count,))
         if (np.diff(self.times_s) < 0).any():
             raise ValueError("times_s must not decrease; sort the poses by time")
         if self.orientations_xyzw is not None:
@@ -82,7 +87,8 @@ class Trajectory:
 
     def shifted(self, offset_s: float) -> Trajectory:
         """The same poses by a clock that reads ``offset_s`` more."""
-        return replace(self, times_s=self.times_s + offset_s)
+        arrived_s = None if self.arrived_s is None else self.arrived_s + offset_s
+        return replace(self, times_s=self.times_s + offset_s, arrived_s=arrived_s)
 
     def take(self, rows: npt.NDArray[np.intp]) -> Trajectory:
         """The poses of these rows, which must be in the order of time; a row may come more than once."""
@@ -92,6 +98,7 @@ class Trajectory:
             None if self.orientations_xyzw is None else self.orientations_xyzw[rows],
             None if self.covariances is None else self.covariances[rows],
             None if self.floors is None else self.floors[rows],
+            None if self.arrived_s is None else self.arrived_s[rows],
         )
 
 

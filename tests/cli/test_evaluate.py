@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import pytest
 
-from app.cli import evaluate, main
-from app.trajectories.alignment import AlignmentKind
+from app.cli import evaluation_choices, evaluation_input, main
+from app.services.geodesy import enu_from_site, geodetic
+from app.services.trajectory_reading import ImportFormat
+from app.storage.records import GeoAnchor
+from app.trajectories.alignment import LEAST_PAIRS, AlignmentKind, RotationSource
 from app.trajectories.association import Association
-from app.trajectories.reading.any_file import READERS, format_of
+from app.trajectories.formats import csv_text, geojson_text
+from app.trajectories.geopose import geopose_text
+from app.trajectories.interpolation import Course
+from app.trajectories.reading.any_file import format_of
 from app.trajectories.reading.table import UnreadableTrajectory
 from app.trajectories.reading.time_units import PER_SECOND
+from app.trajectories.robotics_formats import euroc_text, kitti_text, kitti_times_text, tum_text
+from tests.trajectories.walks import walk
 
 PAPER = Path(__file__).parents[2] / "examples" / "paper"
 TABLE_4 = {
@@ -89,10 +101,13 @@ def test_a_system_is_named_once(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_the_choices_are_the_librarys() -> None:
-    assert set(evaluate.FORMATS) == set(READERS)
-    assert set(evaluate.UNITS) == set(PER_SECOND)
-    assert get_args(Association) == evaluate.ASSOCIATIONS
-    assert get_args(AlignmentKind) == evaluate.ALIGNMENTS
+    assert get_args(ImportFormat) == evaluation_input.FORMATS
+    assert set(evaluation_input.UNITS) == set(PER_SECOND)
+    assert get_args(Association) == evaluation_choices.ASSOCIATIONS
+    assert get_args(Course) == evaluation_choices.COURSES
+    assert get_args(AlignmentKind) == evaluation_choices.ALIGNMENTS
+    assert get_args(RotationSource) == evaluation_choices.ROTATIONS
+    assert evaluation_choices.LEAST_PAIRS == LEAST_PAIRS
 
 
 def test_only_comments_are_no_format() -> None:
@@ -117,3 +132,70 @@ def test_a_report_of_no_known_kind_is_refused_before_any_work(
 ) -> None:
     assert main(["evaluate", "nowhere.csv", "nowhere-else.csv", "--report", str(tmp_path / "report.doc")]) != 0
     assert ".html" in capsys.readouterr().err
+
+
+ANCHOR = GeoAnchor(48.15, 11.57, 515.0, 30.0)
+
+
+def written(folder: Path, name: str, pieces: Iterable[str]) -> str:
+    path = folder / name
+    path.write_text("".join(pieces))
+    return str(path)
+
+
+def test_every_format_that_is_written_is_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    true = replace(walk(10.0), floors=np.zeros(100, dtype=np.int64))
+    on_earth = partial(geodetic, anchor=ANCHOR)
+    reference = written(tmp_path, "truth.csv", csv_text([true]))
+    files = {
+        "tum": written(tmp_path, "a.tum", tum_text([true])),
+        "euroc": written(tmp_path, "a-euroc.csv", euroc_text([true])),
+        "geojson": written(tmp_path, "a.geojson", geojson_text([true], on_earth, {})),
+        "geopose": written(tmp_path, "a.json", geopose_text([true], on_earth, enu_from_site(ANCHOR))),
+    }
+    anchor = ["--anchor", "48.15", "11.57", "515", "30"]
+    assert main(["evaluate", reference, *files.values(), *anchor, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert [file["format"] for file in answer["files"]] == ["csv", *files]
+    for found in answer["evaluations"].values():
+        assert found["accuracy"]["SE95_m"] < 2e-3  # geopose counts milliseconds, degrees are written to 0.1 mm
+        assert found["accuracy"]["rotation_rad"]["greatest"] < 1e-3
+    written(tmp_path, "b.times", kitti_times_text([true]))
+    kitti = written(tmp_path, "b.txt", kitti_text([true]))
+    assert main(["evaluate", kitti, kitti, "--format", "kitti"]) == 0
+    assert "kitti, 100 poses, the stamps count s since 1970" in capsys.readouterr().out
+    assert main(["evaluate", files["tum"], reference, "--format", "kitti"]) == 1
+    assert "a.times or times.txt beside it" in capsys.readouterr().err
+    assert main(["evaluate", reference, files["geojson"]]) == 1
+    assert "anchor" in capsys.readouterr().err
+
+
+def test_choices_reach_the_evaluation(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    true = walk(20.0)
+    late = replace(true, arrived_s=true.times_s + 0.25)
+    files = [written(tmp_path, name, csv_text([poses])) for name, poses in (("truth.csv", true), ("said.csv", late))]
+    zones = written(tmp_path, "zones.json", ['[{"name": "hall", "corners_m": [[-9, -9], [9, -9], [9, 9], [-9, 9]]}]'])
+    choices = ["--zones", zones, "--alignment", "first_n", "--first-n", "12", "--course", "spline"]
+    more = ["--rotation-from", "orientations", "--confidence", "0.5", "--resamples", "150", "--json"]
+    assert main(["evaluate", *files, *choices, *more]) == 0
+    found = json.loads(capsys.readouterr().out)["evaluations"]["said"]
+    assert found["alignment"]["pairs_used"] == 12
+    assert found["zones"]["hall"]["spatial_m"]["count"] == 200
+    assert found["availability"]["latency_s"]["median"] == pytest.approx(0.25, abs=1e-5)
+    report = tmp_path / "report.html"
+    assert main(["evaluate", *files, "--zones", zones, "--report", str(report)]) == 0
+    told = capsys.readouterr().out
+    assert "0.250 s, 0.250 s" in told and "hall: SE50, SE95 (m)" in told
+    assert "hall" in report.read_text() and "Latency, median, s" in report.read_text()
+
+
+@pytest.mark.parametrize(
+    "wrong", ["[]x", '[{"name": "hall"}]', '{"hall": 1}', '[{"name": "a", "corners_m": [[0, 0]]}]']
+)
+def test_zones_that_are_none_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str) -> None:
+    assert main(["evaluate", *paper("huawei-p10-1"), "--zones", written(tmp_path, "zones.json", [wrong])]) == 1
+    error = capsys.readouterr().err
+    assert "zones.json" in error and error.count("\n") == 1
+    for argument in (["--first-n", "2"], ["--confidence", "95"]):
+        with pytest.raises(SystemExit):
+            main(["evaluate", *paper("huawei-p10-1"), *argument])

@@ -38,6 +38,8 @@ MEDIA_TYPES: dict[TextFormat, str] = {
     "kitti": "text/plain",
     "kitti-times": "text/plain",
     "euroc": "text/csv",
+    "evaal": "text/csv",
+    "posi": "text/plain",
     "geojson": "application/geo+json",
     "geopose": "application/json",
 }
@@ -46,7 +48,7 @@ TEXT_FORMATS = {
     for media_type in MEDIA_TYPES.values()
     if media_type != "application/json"  # which has a schema of its own
 }
-Format = Literal["json", "csv", "tum", "kitti", "kitti-times", "euroc", "geojson", "geopose"]
+Format = Literal["json", "csv", "tum", "kitti", "kitti-times", "euroc", "evaal", "posi", "geojson", "geopose"]
 
 
 @router.post("/trajectories", status_code=201, responses=problems(400, 404, 413, 422))

@@ -24,9 +24,9 @@ class ImportParameters(Body):
     ]
     name: Annotated[Text | None, Field(description="For people.")] = None
     device_id: Annotated[Text | None, Field(description="The device or system that it came from.")] = None
-    format: Annotated[Literal["csv", "tum", "euroc", "kitti", "evaal", "geojson"] | None, Field(description=FORMAT)] = (
-        None
-    )
+    format: Annotated[
+        Literal["csv", "tum", "euroc", "kitti", "evaal", "geojson", "geopose"] | None, Field(description=FORMAT)
+    ] = None
     time_unit: Annotated[Literal["s", "ms", "us", "ns"] | None, Field(description=UNIT)] = None
 
     def to_domain(self) -> ImportWish:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from app.trajectories.metrics.summary import Summary, summarise
-from app.trajectories.trajectory import Array
+from app.trajectories.trajectory import Array, Trajectory
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,21 @@ class Availability:
         time).
     longest_silence_s : float
         Longest time within the reference's without an estimate.
+    latency_s : Summary or None
+        How long after their moment the estimates arrived; None when their source told no arrivals.
     """
 
     covered_share: float
     longest_silence_s: float
+    latency_s: Summary | None = None
+
+
+def availability_of(reference_s: Array, estimate: Trajectory, max_gap_s: float) -> Availability:
+    """The availability of a trajectory whose stamps are by the reference's clock."""
+    found = availability(reference_s, estimate.times_s, max_gap_s)
+    if estimate.arrived_s is None or len(estimate) == 0:
+        return found
+    return replace(found, latency_s=latency(estimate.times_s, estimate.arrived_s))
 
 
 def availability(reference_s: Array, estimate_s: Array, max_gap_s: float) -> Availability:

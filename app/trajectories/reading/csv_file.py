@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -16,15 +17,18 @@ from app.trajectories.formats import (
     QUATERNION_COLUMNS,
     SIGMA_COLUMNS,
 )
+from app.trajectories.reading.covariances import check_definite
 from app.trajectories.reading.poses import Reading, times_s_of, unit_quaternions, whole_floors
 from app.trajectories.reading.table import Table, UnreadableTrajectory, data_lines, read_table, text_of
-from app.trajectories.reading.time_units import PER_SECOND, TimeUnit, UnitName
+from app.trajectories.reading.time_units import PER_SECOND, TimeUnit, UnitName, unit_of_stamps
 from app.trajectories.trajectory import Array, Trajectory
 
 STAMPS: dict[str, UnitName] = {f"time_{unit}": unit for unit in PER_SECOND}
+ARRIVALS: dict[str, UnitName] = {f"arrived_{unit}": unit for unit in PER_SECOND}
 WRITTEN_TIME, FLOOR = "time_utc", "floor"
-KNOWN = (*CSV_COLUMNS, *(name for name in STAMPS if name not in CSV_COLUMNS), FLOOR)
+KNOWN = (*CSV_COLUMNS, *(name for name in STAMPS if name not in CSV_COLUMNS), FLOOR, *ARRIVALS)
 COMMA = ","
+GREATEST_LATENCY_S = 86_400.0  # a day: whatever is farther from its pose's time is of another clock or unit
 
 Lines = list[tuple[int, str]]
 
@@ -33,8 +37,9 @@ def read_csv(data: bytes, time_unit: UnitName | None = None) -> Reading:
     """A trajectory from a CSV file whose first line names the columns.
 
     ``time_s`` (or ``time_ms``, ``time_us``, ``time_ns``, or ``time_utc`` in ISO 8601), ``x_m``, ``y_m`` and, if known,
-    ``z_m`` (else 0), ``qx`` to ``qw``, the sigmas or the covariance, and ``floor``. With ``time_s`` there, ``time_utc``
-    is for people and not read. A column that is empty throughout counts as absent.
+    ``z_m`` (else 0), ``qx`` to ``qw``, the sigmas or the covariance, ``floor``, and ``arrived_s`` (``_ms``, ...), when
+    the position was there to be used, by the same clock. With ``time_s`` there, ``time_utc`` is for people and not
+    read. A column that is empty throughout counts as absent.
 
     Raises
     ------
@@ -53,7 +58,11 @@ def read_csv(data: bytes, time_unit: UnitName | None = None) -> Reading:
     else:
         own = STAMPS[stamp]
         times_s, unit = times_s_of(table, stamp, own, time_unit or (None if own == "s" else own))
-    return Reading(_trajectory(table, times_s), unit)
+    trajectory = _trajectory(table, times_s)
+    arrived_s = _arrived_s(table, unit)
+    if arrived_s is not None:
+        _check_arrivals(table, arrived_s - times_s)
+    return Reading(replace(trajectory, arrived_s=arrived_s), unit)
 
 
 def _check_heading(line: int, columns: Sequence[str]) -> None:
@@ -114,6 +123,24 @@ def _written_time_s(line: int, field: str) -> float:
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
+def _check_arrivals(table: Table, latency_s: Array) -> None:
+    wrong = np.flatnonzero(np.abs(latency_s) > GREATEST_LATENCY_S)
+    if len(wrong):
+        row, column = int(wrong[0]), next(name for name in ARRIVALS if table.has(name))
+        what = f"it is {latency_s[row]:g} s from its pose's time; both count by one clock and in the unit they name"
+        raise table.refuse(row, column, what)
+
+
+def _arrived_s(table: Table, unit: TimeUnit) -> Array | None:
+    """Arrivals in seconds, shape (N,); in the unit of the stamps unless the column shows or names another."""
+    column = next((name for name in ARRIVALS if table.has(name)), None)
+    if column is None:
+        return None
+    named = None if ARRIVALS[column] == "s" else ARRIVALS[column]
+    found = unit_of_stamps(table, column, unit.name, named or (None if unit.detected else unit.name))
+    return found.to_seconds(table.column(column))
+
+
 def _trajectory(table: Table, times_s: Array) -> Trajectory:
     height_m = table.column("z_m") if table.has("z_m") else np.zeros(len(times_s))
     positions_m = np.column_stack([table.block(POSITION_COLUMNS[:2]), height_m])
@@ -137,13 +164,5 @@ def _covariances(table: Table, freedoms: int) -> Array | None:
         covariances[:, diagonal, diagonal] = table.block(SIGMA_COLUMNS[:freedoms]) ** 2
     else:
         return None
-    _check_definite(table, covariances)
+    check_definite(covariances, lambda row, what: table.refuse(row, "cov_x_x", what))
     return covariances
-
-
-def _check_definite(table: Table, covariances: Array) -> None:
-    """Rounded to seven digits, a covariance of rank below 6 may have eigenvalues a little below 0, no more."""
-    least = np.linalg.eigvalsh(covariances).min(axis=1)
-    wrong = np.flatnonzero(least < -1e-5 * np.trace(covariances, axis1=1, axis2=2))
-    if len(wrong):
-        raise table.refuse(int(wrong[0]), "cov_x_x", "the covariance has a negative eigenvalue; no such errors exist")

@@ -2,83 +2,61 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
-from app.trajectories.reading.poses import LENGTH_TOLERANCE
-from app.trajectories.reading.table import GREATEST_NUMBER, GREATEST_ROWS, SHOWN, UnreadableTrajectory, text_of
+from app.trajectories.reading.covariances import check_definite
+from app.trajectories.reading.json_values import (
+    GeodeticPoses,
+    Member,
+    document_of,
+    increasing,
+    is_number,
+    listed,
+    moment_s,
+    square_matrix,
+    unit_quaternion,
+)
+from app.trajectories.reading.poses import GREATEST_FLOOR
+from app.trajectories.reading.table import SHOWN
 from app.trajectories.trajectory import Array
 
 TIMES = ("time", "time_utc", "timestamp", "time_s")
-ORIENTATION, FLOOR = "orientation_xyzw", "floor"
-GREATEST_FLOOR = 1000  # no house has so many
-
-
-@dataclass(frozen=True)
-class GeodeticPoses:
-    """Poses whose positions stand on the Earth (WGS 84).
-
-    Attributes
-    ----------
-    times_s : ndarray of shape (N,)
-        UTC, strictly increasing.
-    places_deg_m : ndarray of shape (N, 3)
-        Longitude (deg), latitude (deg), height above the ellipsoid (m); NaN for a height that the file does not tell.
-    orientations_xyzw : ndarray of shape (N, 4) or None
-        Of the site frame.
-    floors : ndarray of int, shape (N,), or None
-    """
-
-    times_s: Array
-    places_deg_m: Array
-    orientations_xyzw: Array | None
-    floors: np.ndarray[tuple[int], np.dtype[np.int64]] | None
+ORIENTATION, FLOOR, COVARIANCE, ARRIVED = "orientation_xyzw", "floor", "covariance", "arrived"
+FEATURE = "feature"
 
 
 def read_geojson(data: bytes) -> GeodeticPoses:
     """Poses of a feature collection of points, such as this project writes.
 
-    Each feature has its time as ``time`` (ISO 8601, or seconds since 1970) and may have ``orientation_xyzw`` and
-    ``floor``; what the first has, all have. Covariances are not read.
+    Each feature has its time as ``time`` (ISO 8601, or seconds since 1970) and may have ``orientation_xyzw``,
+    ``floor``, ``covariance`` (6 x 6, or 3 x 3 without an orientation) and ``arrived``; what the first has, all have.
 
     Raises
     ------
     UnreadableTrajectory
         Naming the feature (from 1) and its member.
     """
-    features = _features(data)
+    document = document_of(data)
+    features = listed(document.get("features") if isinstance(document, dict) else None, "FeatureCollection of points")
     first = _properties(1, features[0])
-    turned, storeyed = ORIENTATION in first, FLOOR in first
+    size = 6 if ORIENTATION in first else 3
     times_s = np.array(_each(features, _time_s))
-    late = np.flatnonzero(np.diff(times_s) <= 0)
-    if len(late):
-        raise _refuse(int(late[0]) + 2, "time", "it is not after the one before; sort the points by time")
+    increasing(times_s, FEATURE, "time")
+    covariances = np.array(_each(features, _covariance_of(size))) if COVARIANCE in first else None
+    if covariances is not None:
+        check_definite(covariances, lambda row, what: Member(FEATURE, row + 1, COVARIANCE).refuse(what))
     return GeodeticPoses(
         times_s,
         np.array(_each(features, _place)),
-        np.array(_each(features, _orientation)) if turned else None,
-        np.array(_each(features, _floor), dtype=np.int64) if storeyed else None,
+        np.array(_each(features, _orientation)) if ORIENTATION in first else None,
+        np.array(_each(features, _floor), dtype=np.int64) if FLOOR in first else None,
+        covariances,
+        np.array(_each(features, _arrived_s)) if ARRIVED in first else None,
     )
-
-
-def _features(data: bytes) -> list[Any]:
-    try:
-        document = json.loads(text_of(data))
-    except (ValueError, RecursionError) as error:
-        line = getattr(error, "lineno", 1)
-        raise UnreadableTrajectory(f"line {line}: this is no JSON ({error})"[:300], line=line) from error
-    features = document.get("features") if isinstance(document, dict) else None
-    if not isinstance(features, list) or not features:
-        raise UnreadableTrajectory("the file is no FeatureCollection with one point at least; send one point per pose")
-    if len(features) > GREATEST_ROWS:
-        raise UnreadableTrajectory(f"the file has more than {GREATEST_ROWS} points; send it in parts")
-    return features
 
 
 def _each(features: list[Any], read: Callable[[int, Any], Any]) -> list[Any]:
@@ -88,7 +66,7 @@ def _each(features: list[Any], read: Callable[[int, Any], Any]) -> list[Any]:
 def _properties(number: int, feature: Any) -> dict[str, Any]:
     properties = feature.get("properties") if isinstance(feature, dict) else None
     if not isinstance(properties, dict):
-        raise _refuse(number, "properties", "a pose needs properties with its time")
+        raise Member(FEATURE, number, "properties").refuse("a pose needs properties with its time")
     return properties
 
 
@@ -96,48 +74,40 @@ def _time_s(number: int, feature: Any) -> float:
     properties = _properties(number, feature)
     name = next((name for name in TIMES if name in properties), None)
     if name is None:
-        raise _refuse(number, "time", "a pose needs its time: ISO 8601, or seconds since 1970")
-    told = properties[name]
-    if _is_number(told):
-        return float(told)
-    try:
-        moment = datetime.fromisoformat(told)
-    except (TypeError, ValueError) as error:
-        raise _refuse(number, name, f"{str(told)[:SHOWN]!r} is no time like 2026-03-01T12:00:00Z") from error
-    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+        raise Member(FEATURE, number, "time").refuse("a pose needs its time: ISO 8601, or seconds since 1970")
+    return moment_s(properties[name], Member(FEATURE, number, name))
 
 
 def _place(number: int, feature: Any) -> list[float]:
+    member = Member(FEATURE, number, "geometry")
     geometry = feature.get("geometry")
     place = geometry.get("coordinates") if isinstance(geometry, dict) and geometry.get("type") == "Point" else None
-    if not isinstance(place, list) or len(place) not in (2, 3) or not all(_is_number(value) for value in place):
-        raise _refuse(number, "geometry", "a pose is a Point with longitude, latitude and, if known, height")
+    if not isinstance(place, list) or len(place) not in (2, 3) or not all(is_number(value) for value in place):
+        raise member.refuse("a pose is a Point with longitude, latitude and, if known, height")
     if abs(place[0]) > 180 or abs(place[1]) > 90:
-        raise _refuse(number, "geometry", f"{place[:2]} is no longitude and latitude in degrees")
+        raise member.refuse(f"{place[:2]} is no longitude and latitude in degrees")
     return [*map(float, place)] if len(place) == 3 else [float(place[0]), float(place[1]), math.nan]
 
 
 def _orientation(number: int, feature: Any) -> Array:
-    told = _properties(number, feature).get(ORIENTATION)
-    if not isinstance(told, list) or len(told) != 4 or not all(_is_number(value) for value in told):
-        raise _refuse(number, ORIENTATION, "four numbers x, y, z, w are needed, as the first point has them")
-    quaternion = np.array(told, dtype=np.float64)
-    length = float(np.linalg.norm(quaternion))
-    if abs(length - 1.0) > LENGTH_TOLERANCE:
-        raise _refuse(number, ORIENTATION, f"the quaternion has the length {length:.4g}, and 1 is needed")
-    return quaternion / length
+    return unit_quaternion(_properties(number, feature).get(ORIENTATION), Member(FEATURE, number, ORIENTATION))
+
+
+def _covariance_of(size: int) -> Callable[[int, Any], Array]:
+    def read(number: int, feature: Any) -> Array:
+        told = _properties(number, feature).get(COVARIANCE)
+        return square_matrix(told, size, Member(FEATURE, number, COVARIANCE))
+
+    return read
+
+
+def _arrived_s(number: int, feature: Any) -> float:
+    return moment_s(_properties(number, feature).get(ARRIVED), Member(FEATURE, number, ARRIVED))
 
 
 def _floor(number: int, feature: Any) -> int:
     told: Any = _properties(number, feature).get(FLOOR)
-    if not _is_number(told) or told != int(told) or abs(told) > GREATEST_FLOOR:
-        raise _refuse(number, FLOOR, f"{str(told)[:SHOWN]!r} is no storey; storeys are whole numbers")
+    if not is_number(told) or told != int(told) or abs(told) > GREATEST_FLOOR:
+        what = f"{str(told)[:SHOWN]!r} is no storey; storeys are whole numbers"
+        raise Member(FEATURE, number, FLOOR).refuse(what)
     return int(told)
-
-
-def _is_number(value: Any) -> bool:
-    return type(value) in (int, float) and abs(value) < GREATEST_NUMBER
-
-
-def _refuse(number: int, member: str, what: str) -> UnreadableTrajectory:
-    return UnreadableTrajectory(f"feature {number}, {member}: {what}", feature=number, column=member)

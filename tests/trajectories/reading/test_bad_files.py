@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
@@ -14,6 +15,8 @@ from app.trajectories.reading import table
 from app.trajectories.reading.csv_file import read_csv
 from app.trajectories.reading.euroc import read_euroc
 from app.trajectories.reading.evaal import posi_table, read_position_log
+from app.trajectories.reading.geojson import read_geojson
+from app.trajectories.reading.geopose import read_geopose
 from app.trajectories.reading.kitti import read_kitti
 from app.trajectories.reading.table import UnreadableTrajectory
 from app.trajectories.reading.tum import read_tum
@@ -27,6 +30,20 @@ IDENTITY = "1 0 0 1 0 1 0 2 0 0 1 3"
 def kitti(poses: bytes) -> object:
     return read_kitti(poses, b"1.0\n2.0\n")
 
+
+def feature(**properties: object) -> str:
+    point = {"type": "Point", "coordinates": [11.0, 48.0]}
+    told = {"type": "Feature", "geometry": point, "properties": {"time": 1.0, **properties}}
+    return json.dumps({"type": "FeatureCollection", "features": [told]})
+
+
+def geopose(**members: object) -> str:
+    place, turn = {"lat": 48.0, "lon": 11.0, "h": 500.0}, {"x": 0, "y": 0, "z": 0, "w": 1}
+    return json.dumps([{"position": place, "quaternion": turn, "validTime": 1000, **members}])
+
+
+LOPSIDED = [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]
+IMPOSSIBLE = [[1, 2, 0], [2, 1, 0], [0, 0, 1]]
 
 BAD: list[tuple[Callable[[bytes], Any], str, dict[str, object], str]] = [
     (read_tum, "", {}, "empty"),
@@ -62,6 +79,22 @@ BAD: list[tuple[Callable[[bytes], Any], str, dict[str, object], str]] = [
     (read_position_log, "1.0,2.0,3.0,0.5\n", {"line": 1, "column": "floor"}, "whole numbers"),
     (posi_table, "WIFI;1;2\n", {}, "no POSI line"),
     (posi_table, "POSI;1;2;3\n", {"line": 1, "columns": 3}, "6 are needed"),
+    (read_csv, "time_s,x_m,y_m,arrived_s\n5,1,2,900000\n", {"line": 2, "column": "arrived_s"}, "one clock"),
+    (read_geojson, "{", {"line": 1}, "no JSON"),
+    (read_geojson, "{}", {}, "no FeatureCollection"),
+    (read_geojson, feature(time="soon"), {"feature": 1, "column": "time"}, "'soon' is no time"),
+    (read_geojson, feature(time=True), {"feature": 1, "column": "time"}, "no time"),
+    (read_geojson, feature(covariance=[[1, 0], [0, 1]]), {"feature": 1, "column": "covariance"}, "3 rows of 3"),
+    (read_geojson, feature(covariance=LOPSIDED), {"feature": 1, "column": "covariance"}, "symmetric"),
+    (read_geojson, feature(covariance=IMPOSSIBLE), {"feature": 1, "column": "covariance"}, "negative eigenvalue"),
+    (read_geojson, feature(arrived=None), {"feature": 1, "column": "arrived"}, "no time"),
+    (read_geojson, feature(floor=0.5), {"feature": 1, "column": "floor"}, "whole numbers"),
+    (read_geojson, feature(orientation_xyzw=[0, 0, 0, 0]), {"feature": 1, "column": "orientation_xyzw"}, "length 0"),
+    (read_geopose, "[]", {}, "no list of GeoPoses"),
+    (read_geopose, "[1]", {"feature": 1, "column": "validTime"}, "milliseconds"),
+    (read_geopose, geopose(position={"lat": 1}), {"feature": 1, "column": "position"}, "lon, lat, h"),
+    (read_geopose, geopose(position={"lat": 91, "lon": 0, "h": 0}), {"feature": 1, "column": "position"}, "degrees"),
+    (read_geopose, geopose(quaternion=[0, 0, 0, 1]), {"feature": 1, "column": "quaternion"}, "x, y, z, w"),
     (kitti, IDENTITY, {}, "one line of times.txt for each pose"),
     (kitti, f"{IDENTITY}\n2{IDENTITY[1:]}\n", {"line": 2, "column": "r00"}, "no rotation"),
 ]

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.formats import csv_text
+from app.trajectories.competition_formats import posi_text, position_log_text
+from app.trajectories.formats import csv_text, geojson_text
+from app.trajectories.geopose import geopose_text
 from app.trajectories.reading.csv_file import read_csv
 from app.trajectories.reading.euroc import read_euroc
 from app.trajectories.reading.evaal import posi_table, read_position_log
+from app.trajectories.reading.geojson import read_geojson
+from app.trajectories.reading.geopose import read_geopose
 from app.trajectories.reading.kitti import read_kitti
 from app.trajectories.reading.tum import read_tum
 from app.trajectories.robotics_formats import tum_text
@@ -111,3 +117,67 @@ def test_a_csv_of_positions_needs_no_height_and_keeps_storeys_and_sigmas() -> No
     assert found.positions_m.tolist() == [[1.0, 2.0, 0.0]]
     assert found.floors is not None and found.floors.tolist() == [3]
     np.testing.assert_allclose(found.sigmas, [[0.1, 0.2, 0.3]])
+
+
+def test_arrivals_come_back_in_the_unit_of_the_stamps() -> None:
+    given_one = replace(walk(1.0), arrived_s=walk(1.0).times_s + 0.25)
+    found = read_csv("".join(csv_text([given_one])).encode()).trajectory
+    np.testing.assert_allclose(found.arrived_s, given_one.arrived_s, rtol=0, atol=MICRO)
+    in_ms = read_csv(b"time_s,x_m,y_m,arrived_s\n1760000000000,1,2,1760000000250\n").trajectory
+    assert in_ms.arrived_s is not None and in_ms.arrived_s.tolist() == [1_760_000_000.25]
+    own_clock = read_csv(b"time_ms,x_m,y_m,arrived_ms\n500,1,2,750\n").trajectory
+    assert own_clock.arrived_s is not None and own_clock.arrived_s.tolist() == [0.75]
+    named = read_csv(b"time_s,x_m,y_m,arrived_us\n5,1,2,5250000\n").trajectory
+    assert named.arrived_s is not None and named.arrived_s.tolist() == [5.25]
+
+
+def degrees(positions_m: np.ndarray) -> np.ndarray:
+    """A geodesy that is easily undone: a micrometre is 1e-9 degrees."""
+    return positions_m * [1e-3, 1e-3, 1.0]
+
+
+@pytest.mark.parametrize("oriented", [True, False])
+def test_geojson_comes_back_with_covariances_and_arrivals(oriented: bool) -> None:
+    freedoms = 6 if oriented else 3
+    whole = walk(2.0, covariances=covariances(20))
+    assert whole.covariances is not None
+    given_one = replace(
+        whole,
+        orientations_xyzw=whole.orientations_xyzw if oriented else None,
+        covariances=whole.covariances[:, :freedoms, :freedoms],
+        floors=np.arange(20) // 10,
+        arrived_s=whole.times_s + 0.125,
+    )
+    found = read_geojson("".join(geojson_text([given_one], degrees, {})).encode())
+    np.testing.assert_allclose(found.places_deg_m, degrees(given_one.positions_m), rtol=0, atol=0.51e-4)
+    np.testing.assert_allclose(found.places_deg_m[:, :2], degrees(given_one.positions_m)[:, :2], rtol=0, atol=0.51e-9)
+    np.testing.assert_allclose(found.covariances, given_one.covariances, rtol=1e-6)
+    np.testing.assert_allclose(found.arrived_s, given_one.arrived_s, rtol=0, atol=MICRO)
+    assert found.floors is not None and found.floors.tolist() == given_one.floors.tolist()
+    assert (found.orientations_xyzw is not None) == oriented
+
+
+def test_geopose_comes_back() -> None:
+    given_one = walk(2.0)
+    text = "".join(geopose_text([given_one], degrees, np.eye(3)))
+    found = read_geopose(text.encode())
+    np.testing.assert_allclose(found.times_s, given_one.times_s, rtol=0, atol=0.51e-3)  # whole milliseconds
+    assert found.orientations_xyzw is not None
+    assert_same(
+        Trajectory(given_one.times_s, found.places_deg_m / [1e-3, 1e-3, 1.0], found.orientations_xyzw), given_one, 1e-4
+    )
+    single = read_geopose(text.strip()[1:].split(",\n")[0].encode())
+    assert len(single.times_s) == 1
+
+
+def test_competition_files_come_back() -> None:
+    given_one = replace(walk(2.0), floors=np.arange(20) // 10)
+    log = read_position_log("".join(position_log_text([given_one])).encode()).trajectory
+    np.testing.assert_allclose(log.positions_m[:, :2], given_one.positions_m[:, :2], rtol=0, atol=MICRO)
+    np.testing.assert_allclose(log.times_s, given_one.times_s, rtol=0, atol=MICRO)
+    assert log.floors is not None and log.floors.tolist() == given_one.floors.tolist()
+    halves = [given_one.take(rows) for rows in np.array_split(np.arange(20), 2)]
+    table = posi_table("".join(posi_text(halves, degrees)).encode())
+    np.testing.assert_allclose(table.column("longitude"), degrees(given_one.positions_m)[:, 0], atol=0.51e-9)
+    assert table.column("counter").tolist() == list(range(1, 21))
+    assert "".join(position_log_text([walk(0.1)])).endswith(",0\n")

@@ -22,6 +22,7 @@ LINES = (
         "follow each other and are alike",
     ),
     ("Covered", "share of the reference's poses that have an estimate near in time"),
+    ("Latency", "how long after its moment a position was there to be used, by the system's clock"),
     (
         "Verdict",
         "errors are told from the reference's uncertainty when the mean of their squares, normalised by its "

@@ -59,6 +59,11 @@ def _offset_sigma(evaluation: Evaluation) -> str:
     return "given" if sigma_s == 0.0 else fixed(sigma_s, SECOND_DIGITS)
 
 
+def _latency(value: Callable[[Summary], float], evaluation: Evaluation) -> str:
+    latency_s = evaluation.availability.latency_s
+    return MISSING if latency_s is None else fixed(value(latency_s), SECOND_DIGITS)
+
+
 def _floors(evaluation: Evaluation) -> str:
     return percent(None if evaluation.floors is None else evaluation.floors.detection_probability)
 
@@ -104,6 +109,9 @@ AVAILABILITY: tuple[Row, ...] = (
     ("Pairs", lambda e: count(len(e.pairs))),
     ("Poses of the system", lambda e: count(e.pairs.estimate_count)),
     ("Reference covered, %", lambda e: percent(e.availability.covered_share)),
+    ("Latency, mean, s", partial(_latency, lambda s: s.mean)),
+    ("Latency, median, s", partial(_latency, lambda s: s.median)),
+    ("Latency, 95 %, s", partial(_latency, lambda s: s.quantile_95)),
     ("Longest silence, s", lambda e: fixed(e.availability.longest_silence_s, SECOND_DIGITS)),
 )
 ALIGNMENT: tuple[Row, ...] = (
