@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from app.compiled import compiled
 from app.vision.kernels.homographies import image_of, px_per_u_of, through_corners
+from app.vision.kernels.ordering import middle_of, sort_few
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -50,31 +51,37 @@ def _is_in_front(image_from_plate: Array, depth_ratio_max: float) -> bool:
     return middle > change and (middle - change) * depth_ratio_max > middle + change
 
 
-@compiled("boolean(float64[:, ::1], float64[:, ::1], float64[::1], UniTuple(float64, 8))")
-def _agrees(image_from_plate: Array, base_px: Array, radii_px: Array, bounds: tuple[float, ...]) -> bool:
+@compiled("boolean(float64[:, ::1], float64[:, ::1], float64[::1], UniTuple(float64, 8), float64[::1])")
+def _agrees(image_from_plate: Array, base_px: Array, radii_px: Array, bounds: tuple[float, ...], room: Array) -> bool:
     """Whether E is where the corners say, and the blobs are as large as the plate says."""
     _, e_offset_u, e_offset_px, least, most, _, _, _ = bounds
     px_per_u = px_per_u_of(image_from_plate)
     x, y = image_of(image_from_plate, E_U, E_U)
-    offset_px = np.hypot(x - base_px[E, 0], y - base_px[E, 1])
-    ratio = np.median(radii_px) / px_per_u
-    return bool(offset_px < e_offset_u * px_per_u + e_offset_px and least < ratio < most)
+    off_x, off_y, allowed_px = x - base_px[E, 0], y - base_px[E, 1], e_offset_u * px_per_u + e_offset_px
+    if not off_x * off_x + off_y * off_y < allowed_px * allowed_px:
+        return False
+    for dot in range(len(radii_px)):
+        room[dot] = radii_px[dot]
+    return bool(least * px_per_u < middle_of(room[: len(radii_px)]) < most * px_per_u)
 
 
-@compiled("float64(uint8[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], UniTuple(float64, 8))")
+@compiled(
+    "float64(uint8[:, :, ::1], float64[:, ::1], float64[:, ::1], Tuple((float64[:, ::1], UniTuple(float64, 8))), "
+    "float64[::1])"
+)
 def _black_between(
-    bgr: Pixels, image_from_plate: Array, base_px: Array, gaps_u: Array, bounds: tuple[float, ...]
+    bgr: Pixels, image_from_plate: Array, base_px: Array, known: tuple[Array, tuple[float, ...]], room: Array
 ) -> float:
     """Red between the dots and the gaps, grey values; 0 where the gaps are not black."""
-    _, _, _, _, _, dark_fraction, dark_gaps_min, contrast_min = bounds
-    dots, gaps = np.empty(len(base_px)), np.empty(len(gaps_u))
+    gaps_u, (_, _, _, _, _, dark_fraction, dark_gaps_min, contrast_min) = known
+    dots, gaps = room[: len(base_px)], room[len(base_px) :]
     for dot in range(len(base_px)):
         dots[dot] = red_at(bgr, base_px[dot, 0], base_px[dot, 1])
     for gap in range(len(gaps_u)):
         x, y = image_of(image_from_plate, gaps_u[gap, 0], gaps_u[gap, 1])
         gaps[gap] = red_at(bgr, x, y)
-    gaps.sort()
-    lit, black = np.median(dots), gaps[len(gaps) // QUARTER]
+    sort_few(gaps)
+    lit, black = middle_of(dots), gaps[len(gaps) // QUARTER]
     border, dark = black + dark_fraction * (lit - black), 0
     for gap in range(len(gaps)):
         dark += gaps[gap] < border
@@ -102,12 +109,12 @@ def weigh_groups(
         Of ``ProposalOptions`` depth_ratio_max, e_offset_u, e_offset_px, both of size_ratio, dark_fraction,
         dark_gaps_min, red_contrast_min.
     """
-    image_from_plate = np.empty((3, 3))
+    image_from_plate, room = np.empty((3, 3)), np.empty(base_px.shape[1] + len(gaps_u))
     for group in range(len(base_px)):
         contrast[group] = 0.0
         if not _is_convex(base_px[group, :4]):
             continue
         through_corners(base_px[group, :4], image_from_plate)
         in_front = _is_in_front(image_from_plate, bounds[0])
-        if in_front and _agrees(image_from_plate, base_px[group], radii_px[group], bounds):
-            contrast[group] = _black_between(bgr, image_from_plate, base_px[group], gaps_u, bounds)
+        if in_front and _agrees(image_from_plate, base_px[group], radii_px[group], bounds, room):
+            contrast[group] = _black_between(bgr, image_from_plate, base_px[group], (gaps_u, bounds), room)
