@@ -19,8 +19,9 @@ from app.geometry.target_map import TargetMap
 from app.photogrammetry.resection_adjustment import AdjustmentOptions
 from app.photogrammetry.resection_ambiguity import AmbiguityOptions, better_side, look_for_mirror
 from app.photogrammetry.resection_consensus import Problem
-from app.photogrammetry.resection_equations import POSE_COUNT, CameraPrior, State, TargetEquations, linearise
-from app.photogrammetry.resection_input import SightedTargets, sight_targets
+from app.photogrammetry.resection_doubt import DoubtOptions, doubt_targets
+from app.photogrammetry.resection_equations import POSE_COUNT, CameraPrior, State, linearise, residuals_of
+from app.photogrammetry.resection_input import sight_targets
 from app.photogrammetry.resection_judgement import JudgementOptions, Solution, check_consensus, judge
 from app.photogrammetry.resection_refusals import check_dots, too_few_dots
 from app.photogrammetry.resection_sampling import SamplingOptions, find_consensus
@@ -41,7 +42,7 @@ class ResectionOptions:
     sure_targets : int
         So many targets that stand where a planar pose sees them leave no doubt on which side of its plate the camera
         is.
-    start, adjustment, sampling, ambiguity, uncertainty, judgement
+    start, adjustment, sampling, ambiguity, doubt, uncertainty, judgement
         Options of the steps, in their order.
     """
 
@@ -51,6 +52,7 @@ class ResectionOptions:
     adjustment: AdjustmentOptions = AdjustmentOptions()
     sampling: SamplingOptions = SamplingOptions()
     ambiguity: AmbiguityOptions = AmbiguityOptions()
+    doubt: DoubtOptions = DoubtOptions()
     uncertainty: UncertaintyOptions = UncertaintyOptions()
     judgement: JudgementOptions = JudgementOptions()
 
@@ -166,7 +168,8 @@ def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solutio
     ambiguity = look_for_mirror(problem, consensus.agreeing, consensus.adjusted, options.ambiguity)
     sighted = problem.sighted.take(consensus.agreeing)
     uncertainty = pose_uncertainty(sighted, problem.prior, ambiguity.adjusted, options.uncertainty)
-    return Solution(problem, consensus, ambiguity, uncertainty)
+    doubt = doubt_targets(ambiguity.adjusted, sighted.dot_counts, options.doubt)
+    return Solution(problem, consensus, ambiguity, uncertainty, doubt)
 
 
 def _report(
@@ -174,16 +177,17 @@ def _report(
 ) -> Resection:
     """The solution as its user sees it: with the datum's uncertainty and the fate of each observed target."""
     adjusted, uncertainty = solution.ambiguity.adjusted, solution.uncertainty
-    coordinates = adjusted.redundancy + POSE_COUNT
+    problem, state, coordinates = solution.problem, solution.state, adjusted.redundancy + POSE_COUNT
+    used = problem.sighted.take(solution.consensus.agreeing)
     fates = _fates(solution)
     unknown = partial(UsedTarget, rms_px=None, used=False, reason="unknown-target")
     return Resection(
-        site_from_cam=adjusted.state.site_from_cam,
-        covariance=uncertainty.covariance + target_map.datum.pose_covariance(solution.position_m),
+        site_from_cam=state.site_from_cam,
+        covariance=solution.covariance + target_map.datum.pose_covariance(solution.position_m),
         sigma0=solution.sigma0,
         variance_factor=uncertainty.variance_factor,
         redundancy=adjusted.redundancy,
-        rms_residual_px=float(np.sqrt((adjusted.equations.residuals_px**2).sum() / coordinates)),
+        rms_residual_px=float(np.sqrt((residuals_of(used, problem.prior, state) ** 2).sum() / coordinates)),
         targets=tuple(fates.get(seen.code) or unknown(seen.code) for seen in observations),
         ambiguity_ratio=solution.ambiguity.ratio,
         camera=posterior_camera(solution.problem.prior, adjusted, source),
@@ -193,14 +197,13 @@ def _report(
 def _fates(solution: Solution) -> dict[int, UsedTarget]:
     """What became of each mapped target, by code."""
     problem, agreeing, adjusted = solution.problem, solution.consensus.agreeing, solution.ambiguity.adjusted
-    used, refused = problem.sighted.take(agreeing), problem.sighted.take(~agreeing)
-    fates = _listed(used, adjusted.equations, None)
-    if len(refused):
-        fates |= _listed(refused, linearise(refused, problem.prior, adjusted.state), "moved-or-misread")
-    return fates
-
-
-def _listed(sighted: SightedTargets, equations: TargetEquations, reason: str | None) -> dict[int, UsedTarget]:
-    squares_px2 = (equations.residuals_px**2).sum(axis=(1, 2)) / (2 * np.maximum(sighted.dot_counts, 1))
-    rows = zip(sighted.codes.tolist(), np.sqrt(squares_px2).tolist(), equations.seen_from_front, strict=True)
-    return {code: UsedTarget(code, rms_px if seen else None, reason is None, reason) for code, rms_px, seen in rows}
+    seen = np.ones(len(agreeing), dtype=np.bool_)
+    if not agreeing.all():
+        seen[~agreeing] = linearise(problem.sighted.take(~agreeing), problem.prior, adjusted.state).seen_from_front
+    residuals_px = residuals_of(problem.sighted, problem.prior, adjusted.state)
+    rms_px = np.sqrt((residuals_px**2).sum(axis=(1, 2)) / (2 * np.maximum(problem.sighted.dot_counts, 1)))
+    rows = zip(problem.sighted.codes.tolist(), rms_px.tolist(), seen.tolist(), agreeing.tolist(), strict=True)
+    return {
+        code: UsedTarget(code, rms if imaged else None, used, None if used else "moved-or-misread")
+        for code, rms, imaged, used in rows
+    }

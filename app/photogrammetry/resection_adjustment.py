@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from app.photogrammetry.kernels.steps import damped_step
-from app.photogrammetry.resection_equations import (
-    POSE_COUNT,
-    POSITION,
-    ROTATION,
-    STATE_COUNT,
-    CameraPrior,
-    State,
-    TargetEquations,
-    linearise,
-    residuals_of,
-)
+from app.geometry.pose import Pose
+from app.photogrammetry.kernels.descent import descend, evaluate_place
+from app.photogrammetry.kernels.products import COLUMNS
+from app.photogrammetry.resection_equations import POSE_COUNT, STATE_COUNT, CameraPrior, State, TargetEquations
 from app.photogrammetry.resection_input import SightedTargets
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -58,6 +51,11 @@ class AdjustmentOptions:
     max_shift: float = 0.5
     first_damping: float = 1e-3
 
+    def limits(self, free_camera: bool) -> tuple[int, bool, float, float, float, float, float, float]:
+        """As the compiled loop takes them."""
+        steps = (self.converged_sigmas, self.linear_step, self.near_step)
+        return (self.max_steps, free_camera, *steps, self.max_camera_sigmas, self.max_shift, self.first_damping)
+
 
 @dataclass(frozen=True)
 class AdjustedState:
@@ -91,52 +89,40 @@ class AdjustedState:
         """What a further step, pose and camera free, promises: less than ``chi2`` where an adjustment stopped early."""
         return self.chi2 - float(self.gradient @ np.linalg.solve(self.information, self.gradient))
 
-
-@dataclass(frozen=True)
-class _Step:
-    """A step of the state, shape (15,), by how much it promises to lower the sum of squares, and its length.
-
-    The length is the greatest of rotation (rad), shift (distances to the nearest target) and camera (image plane).
-    """
-
-    values: Array
-    gain: float
-    length: float
-
-
-@dataclass(frozen=True)
-class _Damping:
-    """Marquardt's damping and the factor of its next growth."""
-
-    value: float = 0.0
-    growth: float = 2.0
-
-    def after(self, gain_ratio: float, options: AdjustmentOptions) -> _Damping:
-        """The damping after a step that gained this much of what it promised."""
-        if gain_ratio <= 0:
-            return _Damping(max(options.first_damping, self.value * self.growth), self.growth * 2.0)
-        shrunk = self.value * max(1.0 / 3.0, 1.0 - (2.0 * gain_ratio - 1.0) ** 3)
-        return _Damping(shrunk if shrunk > options.first_damping / 10.0 else 0.0)
+    def after_last(self, step: Array) -> AdjustedState:
+        """The converged state after a last step of shape (15,), along which its equations are linear."""
+        moved = self.information @ step
+        return replace(
+            self,
+            state=self.state.moved(step),
+            equations=self.equations.advanced(step),
+            gradient=self.gradient + moved,
+            chi2=max(self.chi2 + float((2.0 * self.gradient + moved) @ step), 0.0),
+            converged=True,
+        )
 
 
 @dataclass(frozen=True)
-class _Steps:
-    """Computes steps."""
+class _Place:
+    """Room for a state, its equations and their sums, as ``kernels/descent.py`` fills it."""
 
-    prior: CameraPrior
-    options: AdjustmentOptions
+    state: tuple[Array, Array, Array]
+    equations: tuple[Array, Array, Mask]
+    sums: tuple[Array, Array]
 
-    def step(self, at: AdjustedState, unknowns: int, damping: float = 0.0) -> _Step:
-        """The damped step of the first unknowns, no longer than it may be; the other unknowns stay."""
-        values, options = np.zeros(STATE_COUNT), self.options
-        distances_m = at.equations.distances_m
-        middle_m = np.partition(distances_m, len(distances_m) // 2)[len(distances_m) // 2]
-        longest = (options.max_shift * float(middle_m), options.max_shift, options.max_camera_sigmas)
-        information, gradient = at.information[:unknowns, :unknowns], at.gradient[:unknowns]
-        gain = damped_step(information, gradient, damping, longest, values)
-        shift = float(np.sqrt(values[POSITION] @ values[POSITION])) / distances_m.min()
-        turn_rad = float(np.sqrt(values[ROTATION] @ values[ROTATION]))
-        return _Step(values, gain, max(shift, turn_rad, self.prior.image_plane_change(values[POSE_COUNT:])))
+    @classmethod
+    def at(cls, state: State, targets: int) -> _Place:
+        """Room for some targets, with the state put in."""
+        pose = state.site_from_cam
+        gram, reduced = np.empty((2, targets, COLUMNS, COLUMNS))
+        seen = np.empty(targets, dtype=np.bool_)
+        sums = np.empty((STATE_COUNT, STATE_COUNT)), np.empty(STATE_COUNT)
+        return cls((pose.rotation.copy(), pose.position_m.copy(), state.whitened.copy()), (gram, reduced, seen), sums)
+
+    @property
+    def arrays(self) -> tuple[object, ...]:
+        """As compiled loops take them."""
+        return self.state, self.equations, self.sums
 
 
 def adjust_pose(
@@ -147,51 +133,29 @@ def adjust_pose(
     free_camera: bool = True,
 ) -> AdjustedState:
     """Adjust to all of the targets (damped Gauss-Newton), the pose alone when the camera is not free."""
-    options = options or AdjustmentOptions()
-    steps = _Steps(prior, options)
-    best, damping, unknowns = evaluate(sighted, prior, start), _Damping(), POSE_COUNT
-    for _ in range(options.max_steps):
-        whole = steps.step(best, unknowns)
-        if free_camera and unknowns == POSE_COUNT and (whole.gain < 1.0 or whole.length < options.near_step):
-            unknowns = STATE_COUNT
-            whole = steps.step(best, unknowns)
-        short = whole.gain < options.converged_sigmas**2 or whole.length < options.linear_step
-        if short and (unknowns == STATE_COUNT or not free_camera):
-            return _advanced(best, sighted, prior, whole.values)
-        step = steps.step(best, unknowns, damping.value) if damping.value else whole
-        trial = evaluate(sighted, prior, best.state.moved(step.values))
-        if trial.chi2 > best.chi2 and unknowns == STATE_COUNT:
-            # Distance and focal length trade along a curved valley: back to its floor, the camera held.
-            trial = evaluate(sighted, prior, trial.state.moved(steps.step(trial, POSE_COUNT).values))
-        # At the optimum rounding, and covariances that depend on the state a little, may cost what a step promises.
-        gained = best.chi2 - trial.chi2 + options.converged_sigmas**2
-        damping = damping.after(gained / step.gain, options)
-        if gained > 0:
-            best = trial
-    return best
+    places = _Place.at(start, len(sighted)), _Place.at(start, len(sighted))
+    photo, arrays = (sighted.arrays, prior.arrays), (places[0].arrays, places[1].arrays)
+    step = np.empty(STATE_COUNT)
+    converged, best, chi2 = descend(photo, arrays, (options or AdjustmentOptions()).limits(free_camera), step)
+    adjusted = _adjusted(sighted, places[best], chi2)
+    return adjusted.after_last(step) if converged else adjusted
 
 
 def evaluate(sighted: SightedTargets, prior: CameraPrior, state: State) -> AdjustedState:
     """The sum of squares and its normal equations at a state, without moving it."""
-    equations = linearise(sighted, prior, state)
-    information, gradient = equations.information.sum(axis=0), equations.gradient.sum(axis=0)
-    intrinsic = np.arange(POSE_COUNT, STATE_COUNT)
-    information[intrinsic, intrinsic] += 1.0  # the prior's information in whitened intrinsics
-    gradient[POSE_COUNT:] += state.whitened
-    chi2 = float(equations.chi2.sum() + state.whitened @ state.whitened)
-    redundancy = 2 * int(np.count_nonzero(sighted.measured)) - POSE_COUNT
-    return AdjustedState(state, equations, information, gradient, chi2, redundancy)
+    place = _Place.at(state, len(sighted))
+    return _adjusted(sighted, place, evaluate_place((sighted.arrays, prior.arrays), place.arrays))
 
 
-def _advanced(at: AdjustedState, sighted: SightedTargets, prior: CameraPrior, step: Array) -> AdjustedState:
-    """The adjusted state after a last step along which its equations are linear."""
-    state = at.state.moved(step)
+def _adjusted(sighted: SightedTargets, place: _Place, chi2: float) -> AdjustedState:
+    """What a filled place says."""
+    rotation, position_m, whitened = place.state
+    information, gradient = place.sums
     return AdjustedState(
-        state=state,
-        equations=at.equations.advanced(step, residuals_of(sighted, prior, state)),
-        information=at.information,
-        gradient=at.gradient + at.information @ step,
-        chi2=max(at.chi2 + float(2.0 * at.gradient @ step + step @ at.information @ step), 0.0),
-        redundancy=at.redundancy,
-        converged=True,
+        state=State(Pose(rotation, position_m), whitened),
+        equations=TargetEquations.of(place.equations),
+        information=information,
+        gradient=gradient,
+        chi2=chi2,
+        redundancy=2 * int(np.count_nonzero(sighted.measured)) - POSE_COUNT,
     )

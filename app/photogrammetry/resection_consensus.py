@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri
 
-from app.photogrammetry.kernels.contests import correct_squares
+from app.photogrammetry.kernels.contests import leave_each_out
 from app.photogrammetry.resection_adjustment import AdjustedState, AdjustmentOptions, adjust_pose
 from app.photogrammetry.resection_equations import OWN_COUNT, CameraPrior, State, TargetEquations, linearise
 from app.photogrammetry.resection_input import SightedTargets
@@ -155,8 +155,8 @@ def _against(equations: TargetEquations, information: Array, sign: float) -> Arr
     r^T (S + A P A^T)^-1 r = chi2 - g^T (P^-1 + A^T S^-1 A)^-1 g with g = A^T S^-1 r, by Woodbury's identity. Taking the
     target out of a state that it took part in turns the sign of its information and of the correction.
     """
-    corrections = np.empty(len(equations.chi2))
+    steps, corrections = np.empty(equations.gradient.shape), np.empty(len(equations.chi2))
     shared = (sign, INFORMATION_RIDGE)
-    correct_squares(information, equations.information, equations.gradient, shared, corrections)
+    leave_each_out(information, equations.information, equations.gradient, shared, (steps, corrections))
     chi2 = equations.chi2 - equations.shape_chi2 - sign * corrections
     return np.where(equations.seen_from_front, np.maximum(chi2, 0.0), np.inf)

@@ -15,10 +15,10 @@ import numpy.typing as npt
 
 from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, Camera
 from app.geometry.pose import Pose
+from app.photogrammetry.kernels.descent import LEAST_FOCAL_SHARE
 from app.photogrammetry.kernels.leftovers import explain_by_movement, measure_residuals
 from app.photogrammetry.kernels.products import COLUMNS, linearise_targets
 from app.photogrammetry.resection_input import SightedTargets
-from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -27,8 +27,6 @@ POSE_COUNT = 6
 POSITION, ROTATION = slice(0, 3), slice(3, POSE_COUNT)
 STATE_COUNT = POSE_COUNT + INTRINSIC_COUNT  # position (m), small rotation (rad), intrinsics in their prior's sigmas
 OWN_COUNT = 6  # a target's own position and rotation
-PIXEL_COUNT = 4  # of the intrinsics, fx, fy, cx and cy are in px
-LEAST_FOCAL_SHARE = 0.1  # of the prior's: a walk of many sigmas of a camera that is hardly known goes no further
 RIDGE = float(np.sqrt(np.finfo(np.float64).eps))  # under the accuracy of any normal matrix, above its rounding
 
 
@@ -60,11 +58,10 @@ class CameraPrior:
         intrinsics[:2] = np.maximum(intrinsics[:2], LEAST_FOCAL_SHARE * self.camera.intrinsics[:2])
         return self.camera.with_intrinsics(intrinsics)
 
-    def image_plane_change(self, whitened: Array) -> float:
-        """Greatest change of an intrinsic by a step of shape (9,), in units of the image plane (focal lengths)."""
-        change = np.abs(self.root @ whitened)
-        change[:PIXEL_COUNT] /= self.camera.fx_px
-        return float(change.max())
+    @property
+    def arrays(self) -> tuple[Array, Array]:
+        """Mean intrinsics (9,) and root (9, 9) as compiled loops take them."""
+        return self.camera.intrinsics.copy(), np.ascontiguousarray(self.root)
 
 
 @dataclass(frozen=True)
@@ -92,10 +89,6 @@ class TargetEquations:
     gradient : ndarray of shape (K, 15)
     chi2 : ndarray of shape (K,)
         Squared residuals in units of their covariance (dots and own uncertainty).
-    residuals_px : ndarray of shape (K, 16, 2)
-        Zero where not measured.
-    distances_m : ndarray of shape (K,)
-        From the camera to the targets' centres.
     seen_from_front : ndarray of shape (K,), bool
         Whether the target's measured dots are before the camera and the camera before the target.
     """
@@ -104,19 +97,20 @@ class TargetEquations:
     information: Array
     gradient: Array
     chi2: Array
-    residuals_px: Array
-    distances_m: Array
     seen_from_front: Mask
 
-    def advanced(self, step: Array, residuals_px: Array) -> TargetEquations:
-        """The equations after a step of shape (15,) along which they are linear, with the residuals found there."""
+    @classmethod
+    def of(cls, written: tuple[Array, Array, Mask]) -> TargetEquations:
+        """What ``kernels/products.py`` wrote."""
+        gram, reduced, seen_from_front = written
+        information, gradient = reduced[:, :STATE_COUNT, :STATE_COUNT], reduced[:, :STATE_COUNT, -1]
+        return cls(gram, information, gradient, reduced[:, -1, -1], seen_from_front)
+
+    def advanced(self, step: Array) -> TargetEquations:
+        """The equations after a step of shape (15,) along which they are linear."""
         moved = self.information @ step
-        return replace(
-            self,
-            gradient=self.gradient + moved,
-            chi2=np.maximum(self.chi2 + (2.0 * self.gradient + moved) @ step, 0.0),
-            residuals_px=residuals_px,
-        )
+        chi2 = np.maximum(self.chi2 + (2.0 * self.gradient + moved) @ step, 0.0)
+        return replace(self, gradient=self.gradient + moved, chi2=chi2)
 
     @cached_property
     def shape_chi2(self) -> Array:
@@ -128,22 +122,13 @@ class TargetEquations:
 
 def linearise(sighted: SightedTargets, prior: CameraPrior, state: State) -> TargetEquations:
     """The collinearity equations of all targets at a state."""
-    pose, count = state.site_from_cam, len(sighted)
+    count = len(sighted)
     gram, reduced = np.empty((2, count, COLUMNS, COLUMNS))
-    residuals_px, seen_from_front = np.empty((count, DOT_COUNT, 2)), np.empty(count, dtype=np.bool_)
-    intrinsics = prior.camera_at(state.whitened).intrinsics
-    place = (*_place(pose), intrinsics, np.ascontiguousarray(prior.root))
-    linearise_targets(place, sighted.arrays, np.arange(count), (gram, reduced, residuals_px, seen_from_front))
-    to_centres_m = sighted.centres_m - pose.position_m
-    return TargetEquations(
-        gram=gram,
-        information=reduced[:, :STATE_COUNT, :STATE_COUNT],
-        gradient=reduced[:, :STATE_COUNT, -1],
-        chi2=reduced[:, -1, -1],
-        residuals_px=residuals_px,
-        distances_m=np.sqrt((to_centres_m**2).sum(axis=-1)),
-        seen_from_front=seen_from_front,
-    )
+    seen_from_front = np.empty(count, dtype=np.bool_)
+    intrinsics, root = prior.camera_at(state.whitened).intrinsics, prior.arrays[1]
+    written = (gram, reduced, seen_from_front)
+    linearise_targets((*_place(state.site_from_cam), intrinsics, root), sighted.arrays, written)
+    return TargetEquations.of(written)
 
 
 def residuals_of(sighted: SightedTargets, prior: CameraPrior, state: State) -> Array:

@@ -10,12 +10,17 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.observations import TargetObservation
+from app.geometry.plate_sigmas import MODE_COUNT, PlateSigmas
 from app.geometry.target_map import TargetMap
+from app.photogrammetry.kernels.shared_errors import find_modes
+from app.targets.layout import DOT_COUNT, dot_centres_u
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 Index = npt.NDArray[np.intp] | Mask
 Scalar = TypeVar("Scalar", bound=np.generic)
+
+PLATE_SHAPES = np.concatenate([np.ones((DOT_COUNT, 1)), dot_centres_u()], axis=1)  # 1, x, y over the plate
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,10 @@ class SightedTargets:
         Elements (0, 0), (1, 0), (1, 1) of the lower triangular W with W^T W = covariance^-1, 1 / px; zero where a dot
         was not measured, so that it weighs nothing.
     measured : ndarray of shape (K, 16), bool
+    modes : ndarray of shape (K, 6, 32)
+        Orthonormal errors of the whitened coordinates that the dots of a sighting share.
+    plate_sigmas : ndarray of shape (K, 3)
+        How large shifts, linear deformations and the errors of single dots are, over what the whiteners say.
     """
 
     codes: npt.NDArray[np.int64]
@@ -49,14 +58,16 @@ class SightedTargets:
     observed_px: Array
     whiteners: Array
     measured: Mask
+    modes: Array
+    plate_sigmas: Array
 
     def __len__(self) -> int:
         return len(self.codes)
 
     @property
-    def arrays(self) -> tuple[Array, Array, Array, Array, Array, Array, Mask]:
+    def arrays(self) -> tuple[Array, Array, Array, Array, Array, Array, Mask, Array, Array]:
         """All but the codes, in their order, as compiled loops take them."""
-        seen = (self.own_covariances, self.observed_px, self.whiteners, self.measured)
+        seen = (self.own_covariances, self.observed_px, self.whiteners, self.measured, self.modes, self.plate_sigmas)
         return (self.rotations, self.centres_m, self.arms_m, *seen)
 
     @property
@@ -80,6 +91,8 @@ class SightedTargets:
             self.observed_px[index],
             self.whiteners[index],
             self.measured[index],
+            self.modes[index],
+            self.plate_sigmas[index],
         )
 
 
@@ -95,6 +108,9 @@ def sight_targets(observations: Sequence[TargetObservation], target_map: TargetM
     measured = _stacked([observation.measured for observation in observations])
     centres_m = _stacked([target.site_from_target.position_m for target in mapped])
     covariances_px2 = _stacked([observation.covariances_px2 for observation in observations])
+    whiteners = _whiteners(covariances_px2, measured)
+    modes = np.empty((len(mapped), MODE_COUNT, 2 * DOT_COUNT))
+    find_modes(whiteners, PLATE_SHAPES, modes)
     return SightedTargets(
         codes=np.array([target.code for target in mapped], dtype=np.int64),
         rotations=_stacked([target.site_from_target.rotation for target in mapped]),
@@ -102,9 +118,16 @@ def sight_targets(observations: Sequence[TargetObservation], target_map: TargetM
         arms_m=_stacked([target.dots_m for target in mapped]) - centres_m[:, None],
         own_covariances=_stacked([target.covariance for target in mapped]),
         observed_px=_stacked([observation.centres_px for observation in observations]),
-        whiteners=_whiteners(covariances_px2, measured),
+        whiteners=whiteners,
         measured=measured,
+        modes=modes,
+        plate_sigmas=np.array([_three(observation.plate_sigmas) for observation in observations]),
     )
+
+
+def _three(sigmas: PlateSigmas) -> tuple[float, float, float]:
+    """``astuple`` at a tenth of its price: it copies deeply."""
+    return sigmas.shift, sigmas.linear, sigmas.dots
 
 
 def _stacked(parts: Sequence[npt.NDArray[Scalar]]) -> npt.NDArray[Scalar]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +12,8 @@ from app.geometry.target_map import TargetMap
 from app.photogrammetry import resection_refusals as refusals
 from app.photogrammetry.resection_ambiguity import Ambiguity, AmbiguityOptions
 from app.photogrammetry.resection_consensus import Consensus, Problem
+from app.photogrammetry.resection_doubt import Doubt
+from app.photogrammetry.resection_equations import State
 from app.photogrammetry.resection_uncertainty import PoseUncertainty
 
 Array = npt.NDArray[np.float64]
@@ -52,17 +55,30 @@ class Solution:
     ambiguity : Ambiguity
         The adjustment to them, and its mirror image.
     uncertainty : PoseUncertainty
+    doubt : Doubt
+        What it changes that a target may have moved by less than can be told.
     """
 
     problem: Problem
     consensus: Consensus
     ambiguity: Ambiguity
     uncertainty: PoseUncertainty
+    doubt: Doubt
+
+    @cached_property
+    def state(self) -> State:
+        """Pose and camera: the adjusted ones, averaged over doubtful targets."""
+        return self.ambiguity.adjusted.state.moved(self.doubt.step)
+
+    @property
+    def covariance(self) -> Array:
+        """Of the pose, shape (6, 6), without the datum."""
+        return self.uncertainty.covariance + self.uncertainty.variance_factor * self.doubt.covariance
 
     @property
     def position_m(self) -> Array:
         """The projection centre in the site frame, shape (3,)."""
-        return self.ambiguity.adjusted.state.site_from_cam.position_m
+        return self.state.site_from_cam.position_m
 
     @property
     def sigma0(self) -> float:
@@ -100,10 +116,11 @@ def judge(
         raise refusals.inconsistent_residuals(solution.sigma0, options.max_sigma0)
     if uncertainty.widening > options.max_widening:
         raise refusals.seen_too_frontally(uncertainty.widening)
-    sigma_m = float(np.sqrt(np.trace(uncertainty.covariance[:3, :3])))
+    sigma_m = float(np.sqrt(np.trace(solution.covariance[:3, :3])))
     if sigma_m > options.max_position_sigma_m:
         raise refusals.undetermined(sigma_m, options.max_position_sigma_m)
-    if ambiguity.adjusted.equations.distances_m.min() > options.max_outside_m:  # else it is no further from the box
+    distances_m = np.linalg.norm(solution.problem.sighted.centres_m - solution.position_m, axis=1)
+    if distances_m.min() > options.max_outside_m:  # else it is no further from the box
         outside_m = _outside_m(solution.position_m, target_map)
         if outside_m > options.max_outside_m:
             raise refusals.outside_site(outside_m, options.max_outside_m)

@@ -11,7 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.geometry.camera import CalibratedCamera
-from app.photogrammetry.resection_equations import CameraPrior, State, linearise
+from app.geometry.plate_sigmas import PlateSigmas
+from app.photogrammetry.plate_correlation import plate_basis
+from app.photogrammetry.resection_equations import CameraPrior, State, linearise, residuals_of
 from app.photogrammetry.resection_input import SightedTargets, sight_targets
 from tests.photogrammetry.resection_scene import calibrated, displaced, observe, room_scene
 
@@ -28,6 +30,8 @@ def sighted(seed: int = 0, own: float = 1.0) -> tuple[SightedTargets, State]:
     hidden = observations[0].measured.copy()
     hidden[[1, 4, 7, 15]] = False
     observations[0] = replace(observations[0], measured=hidden)
+    observations[1] = replace(observations[1], plate_sigmas=PlateSigmas(1.6, 1.3, 0.8))
+    observations[2] = replace(observations[2], plate_sigmas=PlateSigmas(2.0, 0.7, 1.0), measured=hidden)
     targets = [replace(target, covariance=own * target.covariance) for target in scene.target_map.targets]
     state = State(scene.site_from_cam.moved(rng.normal(0, 1e-3, 6)), rng.normal(0, 0.5, 9))
     return sight_targets(observations, scene.with_targets(targets).target_map), state
@@ -45,6 +49,16 @@ def whitened_residuals(seen: SightedTargets, prior: CameraPrior, state: State, o
     whiteners = np.zeros((*seen.measured.shape, 2, 2))
     whiteners[..., 0, 0], whiteners[..., 1, 0], whiteners[..., 1, 1] = np.moveaxis(seen.whiteners, -1, 0)
     return (whiteners @ residuals_px[..., None]).reshape(len(seen), -1)
+
+
+def shared_covariance(seen: SightedTargets, k: int) -> Array:
+    """Of a target's whitened coordinates, shape (32, 32), with the errors that its dots share."""
+    whiteners = np.zeros((16, 2, 2))
+    whiteners[:, 0, 0], whiteners[:, 1, 0], whiteners[:, 1, 1] = seen.whiteners[k].T
+    basis = plate_basis(whiteners[None])[0]
+    shift, linear, dots = seen.plate_sigmas[k]
+    of_modes = np.array([shift] * 2 + [linear] * 4)
+    return dots**2 * np.eye(32) + basis * (of_modes**2 - dots**2) @ basis.T
 
 
 def numerical_design(seen: SightedTargets, prior: CameraPrior, state: State) -> tuple[Array, Array]:
@@ -68,7 +82,7 @@ def test_equations_are_those_of_the_dense_system_from_central_differences(seed: 
     by_state, by_own = numerical_design(seen, prior, state)
     residuals = whitened_residuals(seen, prior, state)
     for k in range(len(seen)):
-        covariance = np.eye(32) + by_own[k] @ seen.own_covariances[k] @ by_own[k].T
+        covariance = shared_covariance(seen, k) + by_own[k] @ seen.own_covariances[k] @ by_own[k].T
         weighted = np.linalg.solve(covariance, np.column_stack([by_state[k], residuals[k]]))
         expected = by_state[k].T @ weighted[:, :-1]
         # Central differences are good to 1e-7 relative here, by step and by rounding; their products to twice that.
@@ -83,7 +97,8 @@ def test_a_perfect_map_needs_no_inverse() -> None:
     seen, state = sighted(own=0.0)
     prior = CameraPrior.of(calibrated())
     residuals = whitened_residuals(seen, prior, state)
-    np.testing.assert_allclose(linearise(seen, prior, state).chi2, (residuals**2).sum(axis=1))
+    expected = [r @ np.linalg.solve(shared_covariance(seen, k), r) for k, r in enumerate(residuals)]
+    np.testing.assert_allclose(linearise(seen, prior, state).chi2, expected)
 
 
 def test_hidden_dots_have_no_say() -> None:
@@ -93,7 +108,7 @@ def test_hidden_dots_have_no_say() -> None:
     one, other = linearise(seen, prior, state), linearise(replace(seen, observed_px=moved_px), prior, state)
     np.testing.assert_array_equal(one.information, other.information)
     np.testing.assert_array_equal(one.chi2, other.chi2)
-    assert (other.residuals_px[~seen.measured] == 0).all()
+    assert (residuals_of(seen, prior, state)[~seen.measured] == 0).all()
 
 
 def test_shape_chi2_is_blind_to_rigid_movements_and_only_to_those() -> None:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from app.compiled import compiled
 from app.geometry.kernels.general import solve_general
 from app.geometry.kernels.lens import linearise_projection
+from app.photogrammetry.kernels.shared_errors import weigh_shared
 from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
@@ -53,16 +54,30 @@ def _fill_rows(rotation: Array, arm_m: Array, root: Array, by: Array, rows: Arra
                 line[OWN + column] += by[row, 3 + inner] * root[inner, column]
 
 
-@compiled("void(float64[:, ::1], float64[::1], float64[:, ::1])")
-def _add_products(rows: Array, whitener: Array, gram: Array) -> None:
-    """Whiten a dot's two rows and add the products of their columns to the lower triangle of ``gram``."""
+@compiled("void(float64[:, ::1], int64, float64[::1])")
+def _whiten_pair(rows: Array, dot: int, whitener: Array) -> None:
+    """Whiten the two rows of a dot in place."""
+    above, below = rows[2 * dot], rows[2 * dot + 1]
     for column in range(COLUMNS):
-        rows[1, column] = whitener[1] * rows[0, column] + whitener[2] * rows[1, column]
-        rows[0, column] *= whitener[0]
+        below[column] = whitener[1] * above[column] + whitener[2] * below[column]
+        above[column] *= whitener[0]
+
+
+@compiled("void(float64[:, ::1], float64[:, ::1])")
+def _multiply(rows: Array, gram: Array) -> None:
+    """Products of all columns of a target's rows, written."""
+    gram[:] = 0.0
     for first in range(COLUMNS):
-        above, below = rows[0, first], rows[1, first]
-        for second in range(first + 1):
-            gram[first, second] += above * rows[0, second] + below * rows[1, second]
+        products = gram[first]
+        for row in range(0, 2 * DOT_COUNT, 4):  # four at a time: each sum is loaded and stored once for them
+            a, b, c, d = rows[row, first], rows[row + 1, first], rows[row + 2, first], rows[row + 3, first]
+            for second in range(COLUMNS):
+                products[second] += (
+                    a * rows[row, second]
+                    + b * rows[row + 1, second]
+                    + c * rows[row + 2, second]
+                    + d * rows[row + 3, second]
+                )
 
 
 @compiled("void(float64[:, ::1], float64[::1])")
@@ -117,9 +132,41 @@ def _eliminate(gram: Array, own_covariance: Array, to_centre_m: Array, reduced: 
 
 
 @compiled(
+    "boolean(Tuple((float64[:, ::1], float64[::1], float64[::1], float64[:, ::1])), float64[::1], "
+    "Tuple((float64[:, ::1], float64[:, ::1], float64[:, ::1], boolean[::1])), float64[:, ::1])"
+)
+def _fill_target(state: tuple[Array, ...], to_centre_m: Array, dots: tuple[Any, ...], rows: Array) -> bool:
+    """Whitened rows (32, 16) of a target, written; whether all its dots have an image.
+
+    ``dots`` holds a target's arms (16, 3), observed dots (16, 2), whiteners (16, 3) and which are measured (16,).
+    """
+    rotation, _, intrinsics, root = state
+    arms_m, observed_px, whiteners, measured = dots
+    offset_m, cam_m, imaged = np.empty(3), np.empty(3), True
+    by_point, by_intrinsics, by = np.empty((2, 3)), np.empty((2, INTRINSICS)), np.empty((2, 3 + INTRINSICS))
+    rows[:] = 0.0
+    for dot in range(DOT_COUNT):
+        if not measured[dot]:
+            continue
+        for axis in range(3):
+            offset_m[axis] = to_centre_m[axis] + arms_m[dot, axis]
+        if not to_camera(rotation, offset_m, cam_m):
+            imaged = False
+            cam_m[0], cam_m[1], cam_m[2] = 0.0, 0.0, 1.0  # has no image; its target is marked
+        u, v = linearise_projection(intrinsics, cam_m, by_point, by_intrinsics)
+        by[:, :3], by[:, 3:] = by_point, by_intrinsics
+        pair = rows[2 * dot : 2 * dot + 2]
+        _fill_rows(rotation, arms_m[dot], root, by, pair)
+        pair[0, -1], pair[1, -1] = u - observed_px[dot, 0], v - observed_px[dot, 1]
+        _whiten_pair(rows, dot, whiteners[dot])
+    return imaged
+
+
+@compiled(
     "void(Tuple((float64[:, ::1], float64[::1], float64[::1], float64[:, ::1])), Tuple((float64[:, :, ::1], "
     "float64[:, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], "
-    "boolean[:, ::1])), Tuple((float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], boolean[::1])))"
+    "boolean[:, ::1], float64[:, :, ::1], float64[:, ::1])), Tuple((float64[:, :, ::1], "
+    "float64[:, :, ::1], boolean[::1])))"
 )
 def linearise_targets(state: tuple[Array, ...], sighted: tuple[Any, ...], equations: tuple[Any, ...]) -> None:
     """The collinearity equations of K targets at a state.
@@ -132,39 +179,19 @@ def linearise_targets(state: tuple[Array, ...], sighted: tuple[Any, ...], equati
         The fields of ``SightedTargets`` from ``rotations`` on.
     equations : tuple of ndarray, written
         Products (K, 16, 16) of the whitened columns; the same with the own unknowns eliminated and the pose in their
-        place (K, 16, 16); residuals (K, 16, 2), px; whether the target is seen from the front (K,).
+        place (K, 16, 16); whether the target is seen from the front (K,).
     """
-    rotation, position_m, intrinsics, root = state
-    rotations, centres_m, arms_m, own_covariances, observed_px, whiteners, measured = sighted
-    gram, reduced, residuals_px, seen_from_front = equations
-    to_centre_m, offset_m, cam_m = np.empty(3), np.empty(3), np.empty(3)
-    by_point, by_intrinsics = np.empty((2, 3)), np.empty((2, INTRINSICS))
-    by, rows = np.empty((2, 3 + INTRINSICS)), np.empty((2, COLUMNS))
-    for target in range(len(rotations)):
+    rotations, centres_m, arms_m, own_covariances, observed_px, whiteners, measured, modes, sigmas = sighted
+    gram, reduced, seen_from_front = equations
+    to_centre_m, rows = np.empty(3), np.empty((2 * DOT_COUNT, COLUMNS))
+    for target in range(len(centres_m)):
         facing = 0.0
         for axis in range(3):
-            to_centre_m[axis] = centres_m[target, axis] - position_m[axis]
+            to_centre_m[axis] = centres_m[target, axis] - state[1][axis]
             facing += rotations[target, axis, 2] * to_centre_m[axis]
-        seen = facing < 0.0
-        products = gram[target]
-        products[:] = 0.0
-        for dot in range(DOT_COUNT):
-            residuals_px[target, dot] = 0.0
-            if not measured[target, dot]:
-                continue
-            for axis in range(3):
-                offset_m[axis] = to_centre_m[axis] + arms_m[target, dot, axis]
-            if not to_camera(rotation, offset_m, cam_m):
-                seen = False
-                cam_m[0], cam_m[1], cam_m[2] = 0.0, 0.0, 1.0  # has no image; its target is marked
-            u, v = linearise_projection(intrinsics, cam_m, by_point, by_intrinsics)
-            by[:, :3], by[:, 3:] = by_point, by_intrinsics
-            _fill_rows(rotation, arms_m[target, dot], root, by, rows)
-            rows[0, -1], rows[1, -1] = u - observed_px[target, dot, 0], v - observed_px[target, dot, 1]
-            residuals_px[target, dot, 0], residuals_px[target, dot, 1] = rows[0, -1], rows[1, -1]
-            _add_products(rows, whiteners[target, dot], products)
-        for row in range(COLUMNS):
-            for column in range(row + 1, COLUMNS):
-                products[row, column] = products[column, row]
-        _eliminate(products, own_covariances[target], to_centre_m, reduced[target])
-        seen_from_front[target] = seen
+        dots = (arms_m[target], observed_px[target], whiteners[target], measured[target])
+        imaged = _fill_target(state, to_centre_m, dots, rows)
+        seen_from_front[target] = imaged and facing < 0.0
+        _multiply(rows, gram[target])
+        weigh_shared(rows, modes[target], sigmas[target], gram[target])
+        _eliminate(gram[target], own_covariances[target], to_centre_m, reduced[target])

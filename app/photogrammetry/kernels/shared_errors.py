@@ -1,0 +1,93 @@
+"""Errors that the dots of one sighting share, in the products of its equations (``PlateSigmas``)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from app.compiled import compiled
+from app.targets.layout import DOT_COUNT
+
+Array = npt.NDArray[np.float64]
+
+MODES, SHIFTS = 6, 2  # two of shift, then four linear
+COORDINATES = 2 * DOT_COUNT
+# A mode that the measured dots do not tell from those before it, by what is left of its length.
+LEAST_LENGTH = float(np.sqrt(np.finfo(np.float64).eps))
+
+
+@compiled("void(float64[:, ::1], int64)")
+def _take_out_earlier(basis: Array, mode: int) -> None:
+    """Make a mode orthogonal to those before it (Gram and Schmidt) and of unit length, or zero."""
+    before = 0.0
+    for place in range(COORDINATES):
+        before += basis[mode, place] ** 2
+    for earlier in range(mode):
+        shared = 0.0
+        for place in range(COORDINATES):
+            shared += basis[mode, place] * basis[earlier, place]
+        for place in range(COORDINATES):
+            basis[mode, place] -= shared * basis[earlier, place]
+    after = 0.0
+    for place in range(COORDINATES):
+        after += basis[mode, place] ** 2
+    told_apart = after > LEAST_LENGTH * before
+    for place in range(COORDINATES):
+        basis[mode, place] = basis[mode, place] / np.sqrt(after) if told_apart else 0.0
+
+
+@compiled("void(float64[:, :, ::1], float64[:, ::1], float64[:, :, ::1])")
+def find_modes(whiteners: Array, shapes: Array, modes: Array) -> None:
+    """Orthonormal modes, (K, 6, 32), written, of sightings whose dots are whitened: shifts, then linear deformations.
+
+    Parameters
+    ----------
+    whiteners : ndarray of shape (K, 16, 3)
+        Elements (0, 0), (1, 0), (1, 1) of each dot's; zero where it was not measured.
+    shapes : ndarray of shape (16, 3)
+        1, x, y over the plate.
+    """
+    for sighting in range(len(whiteners)):
+        basis = modes[sighting]
+        for mode in range(MODES):
+            for dot in range(DOT_COUNT):
+                upper, mixed, lower = whiteners[sighting, dot]
+                shape = shapes[dot, mode // 2]
+                basis[mode, 2 * dot] = shape * upper if mode % 2 == 0 else 0.0
+                basis[mode, 2 * dot + 1] = shape * (mixed if mode % 2 == 0 else lower)
+            _take_out_earlier(basis, mode)
+
+
+@compiled("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[:, ::1])")
+def weigh_shared(rows: Array, modes: Array, sigmas: Array, gram: Array) -> None:
+    """Products of whitened rows under errors that are shared, in place of those under independent ones.
+
+    The covariance of the whitened coordinates is d^2 I + B (s^2 - d^2) B^T with the modes B and their sigmas s; so its
+    inverse is I / d^2 + B (1 / s^2 - 1 / d^2) B^T.
+
+    Parameters
+    ----------
+    rows : ndarray of shape (32, N)
+    modes : ndarray of shape (6, 32)
+    sigmas : ndarray of shape (3,)
+        Of shift, linear deformation, single dots.
+    gram : ndarray of shape (N, N)
+        In: rows^T rows.
+    """
+    columns = rows.shape[1]
+    of_dots = 1.0 / sigmas[2] ** 2
+    for row in range(columns):
+        for column in range(columns):
+            gram[row, column] *= of_dots
+    of_mode = np.empty(columns)
+    for mode in range(MODES):
+        factor = 1.0 / sigmas[0 if mode < SHIFTS else 1] ** 2 - of_dots
+        of_mode[:] = 0.0
+        for dot in range(DOT_COUNT):
+            above, below = modes[mode, 2 * dot], modes[mode, 2 * dot + 1]
+            for column in range(columns):
+                of_mode[column] += above * rows[2 * dot, column] + below * rows[2 * dot + 1, column]
+        for row in range(columns):
+            part = factor * of_mode[row]
+            for column in range(columns):
+                gram[row, column] += part * of_mode[column]
