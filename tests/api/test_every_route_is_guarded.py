@@ -12,8 +12,10 @@ import pytest
 from app.api.security import NAMES_SITE
 from app.services.live_evaluation import open_live
 from app.services.principal import SCOPES
+from app.storage.alerts import AlertFilter, AlertRepository
 from app.storage.live_records import LiveOptions
 from app.storage.models import SnapshotRow
+from app.storage.paging import PageRequest
 from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
@@ -35,9 +37,10 @@ NAMED_IN_BODY: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("post", "/evaluations"): ("json", ("reference_id", "estimate_id")),
     ("post", "/evaluations/live"): ("json", ("reference_id",)),
     ("post", "/locate"): ("data", ("site_id",)),
+    ("post", "/cameras/calibrations"): ("data", ("site_id",)),
 }
 # Calls that take a file beside the fields of their form.
-FILES = {"/locate": "image", "/trajectories/import": "file"}
+FILES = {"/locate": "image", "/trajectories/import": "file", "/cameras/calibrations": "images"}
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,9 @@ def furnished(guarded: Guarded) -> Furnished:
         trajectory = TrajectoryRepository(session).default(site_id, "phone")
         snapshot = examples.snapshot(SiteRepository(session).get(site_id), examples.located())
         pose = TrajectoryRepository(session).record(trajectory.trajectory_id, snapshot)
+        alerts = AlertRepository(session)
+        alerts.settle(site_id, 1, [examples.trouble()], now_s=1.0)
+        (alert,) = alerts.page(AlertFilter(site_id), PageRequest()).items
         live = open_live(session, trajectory.trajectory_id, "uwb", LiveOptions())
     estimate_id = imported(guarded, "".join(tum_text([walk(5.0)])), site_id=site_id)["trajectory_id"]
     truth_id = imported(guarded, "".join(tum_text([walk(5.0)])), site_id=site_id)["trajectory_id"]
@@ -106,6 +112,7 @@ def furnished(guarded: Guarded) -> Furnished:
     ids = {
         "evaluation_id": evaluation.json()["evaluation_id"],
         "live_id": live.live_id,
+        "alert_id": alert.alert_id,
         "reference_id": truth_id,
         "estimate_id": estimate_id,
         "site_id": site_id,

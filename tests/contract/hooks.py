@@ -50,10 +50,13 @@ RULES = (
     # Any bytes fit `format: binary`; only a decoder knows a photograph.
     Rule("(POST|PUT) /surveys/.*/images.*", ("bad-photo", "unsupported-photo", "photo-too-large")),
     Rule("POST /locate", ("bad-photo", "unsupported-photo", "photo-too-large")),
+    Rule("POST /cameras/calibrations", ("bad-photo", "unsupported-photo", "photo-too-large")),
     # Whether a picture shows targets of the site's map is the question itself.
     Rule("POST /locate", ("not-located",)),
     # Letters of any script: the patterns that all tools of OpenAPI agree on know ASCII only.
     Rule("(POST|PUT) /surveys/.*/images.*", ("invalid-input",), ("filename",)),
+    # Some more photographs than one: how many the words say. A form's number is a text.
+    Rule("POST /cameras/calibrations", ("invalid-input",), ("filename", "images", "body.readout_s")),
     # No pattern knows the calendar, and none compares two parameters.
     Rule("GET /trajectories.*", ("invalid-input",), ("from", "to", "bbox")),
     Rule("POST /locate", ("invalid-input",), ("captured_at",)),
