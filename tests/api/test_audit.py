@@ -8,6 +8,8 @@ from typing import Any
 import httpx
 import pytest
 
+from app.storage.alerts import AlertFilter, AlertRepository
+from app.storage.paging import PageRequest
 from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.storage.trajectories import TrajectoryRepository
@@ -26,6 +28,13 @@ NOT_AUDITED = {("post", "/locate"), ("post", "/evaluations/live/{live_id}/sample
 def entries(guarded: Guarded, **query: str) -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = guarded.client.get("/audit", params={"limit": 1000, **query}).json()["entries"]
     return found
+
+
+def raise_alert(guarded: Guarded, site_id: str) -> str:
+    with guarded.services.database.writing() as session:
+        alerts = AlertRepository(session)
+        alerts.settle(site_id, 1, [examples.trouble()], now_s=1.0)
+        return alerts.page(AlertFilter(site_id), PageRequest()).items[0].alert_id
 
 
 def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Response]]:
@@ -95,6 +104,14 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/jobs/{job_id}/cancel"): lambda: client.post(f"/jobs/{ids['job_id']}/cancel"),
         ("post", "/jobs/{job_id}/retry"): lambda: client.post(f"/jobs/{ids['job_id']}/retry"),
         ("post", "/sites/{site_id}/maps/{version}/activate"): activated,
+        ("post", "/cameras/calibrations"): lambda: client.post(
+            "/cameras/calibrations",
+            data={"site_id": ids["site_id"]},
+            files=[("images", photo) for photo in photos[:5]],
+        ),
+        ("post", "/alerts/{alert_id}/acknowledge"): lambda: client.post(
+            f"/alerts/{raise_alert(guarded, ids['site_id'])}/acknowledge"
+        ),
         ("post", "/trajectories"): lambda: keep(
             "trajectory_id", client.post("/trajectories", json={"site_id": ids["site_id"]})
         ),
@@ -106,6 +123,7 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/evaluations"): lambda: keep("evaluation_id", evaluated()),
         ("delete", "/evaluations/{evaluation_id}"): lambda: client.delete(f"/evaluations/{ids['evaluation_id']}"),
         ("post", "/evaluations/live"): lambda: keep("live_id", opened_live()),
+        ("post", "/evaluations/live/{live_id}/trajectory"): lambda: kept_samples(guarded, ids["live_id"]),
         ("post", "/evaluations/live/{live_id}/close"): lambda: client.post(f"/evaluations/live/{ids['live_id']}/close"),
         ("delete", "/evaluations/live/{live_id}"): lambda: client.delete(f"/evaluations/live/{ids['live_id']}"),
         ("delete", "/sites/{site_id}/snapshots"): lambda: client.delete(
@@ -119,6 +137,13 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/sites/import"): imported,
         ("delete", "/sites/{site_id}"): removed,
     }
+
+
+def kept_samples(guarded: Guarded, live_id: str) -> httpx.Response:
+    path = f"/evaluations/live/{live_id}"
+    sent = guarded.client.post(f"{path}/samples", json={"samples": [{"time_s": 1.0, "x_m": 0.0, "y_m": 0.0}]})
+    assert sent.is_success, sent.text
+    return guarded.client.post(f"{path}/trajectory")
 
 
 def test_each_change_leaves_one_row(guarded: Guarded) -> None:
