@@ -53,6 +53,12 @@ def _families(figures: StoredFigures) -> Iterator[Metric]:
     waited_s = 0.0 if figures.oldest_queued_s is None else max(0.0, time.time() - figures.oldest_queued_s)
     yield _gauge("scattermark_jobs_oldest_queued_age_seconds", "Age of the job that waits longest.", waited_s)
     yield _gauge("scattermark_workers_alive", "Workers whose heartbeat is fresh, wherever.", figures.live_workers)
+    alerts = GaugeMetricFamily(
+        "scattermark_map_alerts", "Alerts of target maps that are not over.", labels=("kind", "severity")
+    )
+    for (kind, severity), number in sorted(figures.standing_alerts.items()):
+        alerts.add_metric((kind, severity), number)
+    yield alerts
     yield _gauge("scattermark_photographs", "Photographs of surveys, equal ones counted once.", figures.photographs)
     yield _gauge("scattermark_kept_snapshots", "Snapshots whose picture was kept.", figures.kept_snapshots)
     yield _gauge("scattermark_stored_bytes", "What all these pictures take.", figures.stored_bytes)

@@ -41,7 +41,8 @@ def _ids(tables: MetaData, name: str, site_id: str) -> Select[tuple[str]]:
 
 
 # Left out: jobs, which are an installation's business; kept pictures of snapshots, whose removal is promised where they
-# were taken; evaluations, which are made anew from the trajectories.
+# were taken; evaluations, which are made anew from the trajectories; alerts and their evidence, which are an
+# installation's business as well: the snapshots that come tell them anew.
 SITE_ROWS: dict[str, Rows] = {
     "sites": _of_site("sites", "id"),
     "control_points": _of_site("control_points"),

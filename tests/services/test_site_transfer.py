@@ -42,7 +42,7 @@ from tests.services.backup_scene import CODES, PHOTOS, Scene, fill, jpeg, rows_o
 from tests.storage.examples import detection, located, photo, snapshot
 
 NOT_MOVED = (
-    *("jobs", "api_keys", "audit", "kept_snapshots"),
+    *("jobs", "api_keys", "audit", "kept_snapshots", "map_evidence", "alerts"),
     *("evaluations", "evaluated_systems", "evaluated_poses", "live_evaluations", "live_samples"),
 )
 Change = Callable[[str, list[list[Any]]], list[list[Any]]]

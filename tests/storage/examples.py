@@ -9,6 +9,7 @@ from app.geometry.observations import Detection, Rejected, TargetObservation
 from app.geometry.pose import Pose
 from app.geometry.rotation import exp_rotation
 from app.geometry.target_map import Datum, MappedTarget, TargetMap
+from app.storage.alerts import AlertFigures, Trouble
 from app.storage.database import Database
 from app.storage.records import NewCamera, Origin, PhotoResult, Publication, Site, StoredPhoto
 from app.storage.sites import SiteRepository
@@ -88,6 +89,11 @@ def located() -> Located:
 
 
 REFUSED = NotFoundPose("too-few-dots", "only four dots were seen", "move closer")
+
+
+def trouble(code: int | None = 389) -> Trouble:
+    figures = AlertFigures((0.012, -0.003, 0.0001), ((1e-6, 2e-8, 0.0), (2e-8, 2e-6, 0.0), (0.0, 0.0, 3e-6)), 4.5)
+    return Trouble("moved-target", code, "critical", 10.0, 20.0, 7, 5, 2, figures)
 
 
 def snapshot(site: Site, outcome: Located | NotFoundPose, snapshot_id: str | None = None) -> NewSnapshot:

@@ -13,7 +13,7 @@ SHA256 = ("a" * 64, "b" * 64)
 def test_an_empty_database_has_nothing(database: Database) -> None:
     with database.reading() as session:
         figures = stored_figures(session)
-    assert figures == StoredFigures({}, None, 0, 0, 0, 0)
+    assert figures == StoredFigures({}, None, 0, {}, 0, 0, 0)
 
 
 def test_jobs_are_counted_by_state_and_the_oldest_that_waits_is_known(database: Database) -> None:
