@@ -7,15 +7,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from app.vision.homography import (
-    PLATE_DOTS_U,
-    area_scales,
-    fit_homographies,
-    local_px_per_u,
-)
+from app.vision.homography import PLATE_DOTS_U
 from app.vision.inks import InkReading
 from app.vision.kernels.misfits import sum_normalised_squares, to_pixels
 from app.vision.kernels.places import locate_all
+from app.vision.kernels.refinement import refine_all
 from app.vision.measurement import PlateFits
 
 Array = npt.NDArray[np.float64]
@@ -89,10 +85,6 @@ class DotCentres:
         """The dots of some plates."""
         return DotCentres(*(getattr(self, part.name)[chosen] for part in fields(self)))
 
-    def variances_u2(self) -> Array:
-        """Mean variance of the two coordinates, shape (P, 16), u^2."""
-        return (self.covariances_u2[..., 0, 0] + self.covariances_u2[..., 1, 1]) / 2.0
-
     def covariances_px2(self, options: CentreOptions) -> Array:
         """In pixels, shape (P, 16, 2, 2)."""
         covariances_u2, px_by_u = (np.ascontiguousarray(part) for part in (self.covariances_u2, self.px_by_u))
@@ -132,16 +124,15 @@ def locate_dots(
 
 def refine_homographies(fits: PlateFits, dots: DotCentres, options: CentreOptions = CentreOptions()) -> Array:
     """Homographies through the measured dots, weighted by their precision; the old ones where too few were."""
-    variance_px2 = np.maximum(dots.variances_u2() * area_scales(dots.px_by_u) ** 2, np.finfo(np.float64).tiny)
-    weights = np.where(dots.measured, variance_px2.min(axis=1, keepdims=True) / variance_px2, 0.0)
-    refined = fits.image_from_plate.copy()
-    enough = np.flatnonzero(dots.measured.sum(axis=1) >= 5)
-    if len(enough):
-        through_dots = fit_homographies(PLATE_DOTS_U, dots.centres_px[enough], weights[enough])
-        before, after = fits.px_per_u[enough], local_px_per_u(through_dots)
-        # Dots in line leave the plate's other direction open: it collapses.
-        kept = (after < options.rescale_max * before) & (before < options.rescale_max * after)
-        refined[enough[kept]] = through_dots[kept]
+    before = np.ascontiguousarray(fits.image_from_plate)
+    refined = np.empty(before.shape)
+    located = (
+        np.ascontiguousarray(dots.centres_px),
+        np.ascontiguousarray(dots.covariances_u2),
+        np.ascontiguousarray(dots.px_by_u),
+        np.ascontiguousarray(dots.measured),
+    )
+    refine_all(PLATE_DOTS_U, before, located, options.rescale_max, refined)
     return refined
 
 

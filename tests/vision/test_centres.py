@@ -18,7 +18,14 @@ from app.vision.centres import (
     refine_homographies,
 )
 from app.vision.detector import DetectorOptions, detect
-from app.vision.homography import PLATE_DOTS_U, apply_homographies, homography_jacobians, local_px_per_u
+from app.vision.homography import (
+    PLATE_DOTS_U,
+    apply_homographies,
+    area_scales,
+    fit_homographies,
+    homography_jacobians,
+    local_px_per_u,
+)
 from app.vision.inks import read_inks
 from app.vision.measurement import PlateFits, SizedPatches
 from app.vision.patches import Pyramid
@@ -256,8 +263,22 @@ def test_homographies_follow_the_measured_dots(scattered: tuple[DotCentres, np.n
     np.testing.assert_array_equal(refined(collapsed, homographies), homographies)
 
 
+def test_homographies_are_weighted_by_the_precision_of_the_dots_in_pixels(
+    scattered: tuple[DotCentres, np.ndarray],
+) -> None:
+    dots, homographies = scattered
+    factors = np.random.default_rng(5).uniform(1.0, 30.0, (PLATES, 16, 1, 1))
+    dots = replace(
+        dots, covariances_u2=dots.covariances_u2 * factors, measured=np.arange(16) % 5 + np.zeros((PLATES, 1)) > 0
+    )
+    variances_px2 = factors[..., 0, 0] * area_scales(dots.px_by_u) ** 2
+    weights = np.where(dots.measured, variances_px2.min(axis=1, keepdims=True) / variances_px2, 0.0)
+    expected = fit_homographies(PLATE_DOTS_U, dots.centres_px, weights)
+    np.testing.assert_allclose(refined(dots, homographies), expected, rtol=1e-9, atol=1e-12)
+
+
 def test_some_plates_can_be_chosen(scattered: tuple[DotCentres, np.ndarray]) -> None:
     dots, _ = scattered
     chosen = dots.select(np.array([3, 1]))
     np.testing.assert_array_equal(chosen.centres_px, dots.centres_px[[3, 1]])
-    np.testing.assert_array_equal(chosen.variances_u2(), np.full((2, 16), 0.02**2))
+    np.testing.assert_array_equal(chosen.covariances_u2, dots.covariances_u2[[3, 1]])
