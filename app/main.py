@@ -15,6 +15,7 @@ from app.jobs.fork_server import start_fork_server
 from app.jobs.pool import WorkerPool
 from app.services.access_upkeep import AccessUpkeep
 from app.services.alerts import MapWatch
+from app.services.calibration_request import CalibrationDesk
 from app.services.evaluations import Evaluator
 from app.services.gatekeeper import AccessRules, Gatekeeper
 from app.services.keys import ensure_bootstrap_key
@@ -66,6 +67,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     bell = TrajectoryBell()
     metrics = _metrics(database, photos, {"locate": locating})
     keeper = SnapshotKeeper(database, photos, budget)
+    intake = PhotoIntake(database, photos, limits, budget)
     locate_limits = LocateLimits(limits, settings.locate_timeout_s)
     locator = Locator(database, locating, locate_limits, Afterwards(bell, keeper), metrics)
     gatekeeper = Gatekeeper(database, access_rules(settings))
@@ -76,7 +78,8 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
         async with upkeep.running(), locator.running():
             yield Services(
                 database=database,
-                intake=PhotoIntake(database, photos, limits, budget),
+                intake=intake,
+                calibrations=CalibrationDesk(database, intake),
                 budget=budget,
                 keeper=keeper,
                 eraser=SnapshotEraser(database, photos),

@@ -23,6 +23,7 @@ from app.api.request_id import RequestIds
 from app.api.routes import (
     alerts,
     audit,
+    cameras,
     docs,
     evaluations,
     jobs,
@@ -102,6 +103,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
         jobs,
         maps,
         alerts,
+        cameras,
         targets,
         trajectories,
         live_evaluations,
@@ -118,6 +120,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)
     app.include_router(docs.router)
     app.include_router(surveys.upload_router, max_body_size=settings.max_upload_bytes)
+    app.include_router(cameras.upload_router, max_body_size=settings.max_upload_bytes)
     _describe_problems(app)
     return app
 

@@ -11,6 +11,7 @@ from pydantic import AfterValidator
 
 from app.errors import NotFound
 from app.services.alerts import MapWatch
+from app.services.calibration_request import CalibrationDesk
 from app.services.evaluations import Evaluator
 from app.services.gatekeeper import Gatekeeper
 from app.services.locate import Locator
@@ -41,6 +42,7 @@ class Services:
 
     database: Database
     intake: PhotoIntake
+    calibrations: CalibrationDesk
     budget: StorageBudget
     keeper: SnapshotKeeper
     eraser: SnapshotEraser
