@@ -54,6 +54,7 @@ $(VENV)/.ready: pyproject.toml
 $(VENV)/.ready-test: $(VENV)/.ready
 	@echo "Installing the test tools (once)" >&2
 	@"$(BIN)/python" -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@"$(BIN)/python" -m tests.web.chromium >/dev/null
 	@touch $@
 
 $(VENV)/.ready-bench: $(VENV)/.ready

@@ -32,6 +32,7 @@ from app.api.routes import (
     locate,
     maps,
     operations,
+    pages,
     session,
     sites,
     snapshots,
@@ -42,6 +43,7 @@ from app.api.routes import (
     trajectory_import,
     transfer,
 )
+from app.api.routes.pages import add_assets
 from app.api.security_headers import SecurityHeaders
 from app.api.slow_bodies import Patience, SlowBodies
 from app.api.streams import StreamsEndWithServer
@@ -119,6 +121,8 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
         app.include_router(routes.router, max_body_size=settings.max_text_bytes)
     app.include_router(surveys.photo_router, max_body_size=snapshot_bytes)
     app.include_router(docs.router)
+    app.include_router(pages.router)
+    add_assets(app)
     app.include_router(surveys.upload_router, max_body_size=settings.max_upload_bytes)
     app.include_router(cameras.upload_router, max_body_size=settings.max_upload_bytes)
     _describe_problems(app)

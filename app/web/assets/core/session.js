@@ -1,0 +1,32 @@
+// Who asks: a key is exchanged for a cookie that no script can read.
+import { Problem, get, post, remove } from "./api.js";
+import { go } from "./router.js";
+
+/** Who asks and what they may do; null when the service wants a key. */
+export async function whoAmI() {
+  try {
+    return await get("/session");
+  } catch (error) {
+    if (error instanceof Problem && error.status === 401) return null;
+    throw error;
+  }
+}
+
+/** Whether somebody holds one of these scopes; admin includes the others. */
+export const may = (who, ...scopes) => who.scopes.includes("admin") || scopes.some((scope) => who.scopes.includes(scope));
+
+export const showKey = (key) => post("/session", { key });
+export const leave = () => remove("/session");
+
+/**
+ * Links on sheets and of `serve --lan` carry their facts behind `#`: a site, a code, a key.
+ * The key leaves the address bar at once; where to go stays.
+ */
+export async function followLink() {
+  const link = new URLSearchParams(location.hash.replace(/^#/, ""));
+  if (location.hash.startsWith("#/") || !link.has("site_id")) return;
+  const [site, key, code] = ["site_id", "key", "code"].map((name) => link.get(name));
+  history.replaceState(null, "", "#/");
+  if (key) await showKey(key);
+  go(code ? `#/sites/${site}/room?code=${code}` : `#/sites/${site}/phone`);
+}

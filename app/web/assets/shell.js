@@ -1,0 +1,78 @@
+// The frame around every page: where one is, who one is, what went wrong.
+import { html, useEffect, useState } from "./core/html.js";
+import { match } from "./core/router.js";
+import { leave, may, whoAmI } from "./core/session.js";
+import { routes, siteTabs } from "./routes.js";
+import { Busy, Button, Empty, Failure, Notice } from "./ui/parts.js";
+import { KeyForm } from "./ui/key_form.js";
+
+const TOPS = [
+  { top: "sites", href: "#/", label: "Sites" },
+  { top: "operator", href: "#/operator", label: "Operator", scope: "admin" },
+];
+
+export function Shell({ linkError }) {
+  const [hash, setHash] = useState(location.hash);
+  const [who, setWho] = useState(undefined); // undefined: not asked yet; null: a key is needed
+  const [error, setError] = useState(linkError);
+  const ask = () => whoAmI().then(setWho, setError);
+  useEffect(() => {
+    const onHash = () => setHash(location.hash);
+    const onKeyNeeded = () => setWho(null);
+    addEventListener("hashchange", onHash);
+    addEventListener("scattermark:key-needed", onKeyNeeded);
+    ask();
+    return () => { removeEventListener("hashchange", onHash); removeEventListener("scattermark:key-needed", onKeyNeeded); };
+  }, []);
+  const found = match(hash, routes);
+  return html`<div class="shell">
+    <a class="skip" href=${`${hash || "#/"}`} onClick=${(event) => { event.preventDefault(); document.getElementById("content").focus(); }}>Skip to the content</a>
+    <${Top} found=${found} who=${who} onLeave=${() => leave().then(ask, setError)} />
+    <main id="content" tabindex="-1" class=${found?.route.wide ? "wide" : ""}>
+      <${Failure} error=${error} />
+      ${who === null ? html`<${KeyForm} onOpened=${ask} />` : who === undefined ? !error && html`<p><${Busy} /> loading</p>` : html`<${Page} found=${found} who=${who} />`}
+    </main>
+  </div>`;
+}
+
+function Top({ found, who, onLeave }) {
+  const shown = TOPS.filter((item) => !item.scope || (who && may(who, item.scope)));
+  return html`<header class="top">
+    <a class="brand" href="#/"><img src="/assets/icon.svg" alt="" />Scattermark</a>
+    <nav aria-label="Main">${shown.map((item) => html`<a href=${item.href} aria-current=${found?.route.top === item.top ? "page" : null}>${item.label}</a>`)}</nav>
+    <div class="end"><a class="small" href="/docs">Calls</a><${Theme} />${who?.key_id && html`<span class="small muted">${who.name}</span><${Button} kind="plain" onClick=${onLeave}>Sign out</${Button}>`}</div>
+  </header>`;
+}
+
+/** Light, dark, or as the device has it. */
+function Theme() {
+  const next = { "": "dark", dark: "light", light: "" };
+  const label = { "": "Auto", dark: "Dark", light: "Light" };
+  const [theme, setTheme] = useState(localStorage.getItem("theme") || "");
+  useEffect(() => {
+    theme ? document.documentElement.setAttribute("data-theme", theme) : document.documentElement.removeAttribute("data-theme");
+    localStorage.setItem("theme", theme);
+  }, [theme]);
+  return html`<${Button} kind="plain" aria-label=${`Colours: ${label[theme]}`} onClick=${() => setTheme(next[theme])}>◐ ${label[theme]}</${Button}>`;
+}
+
+function Page({ found, who }) {
+  const [loaded, setLoaded] = useState(null);
+  const [error, setError] = useState(null);
+  useEffect(() => {
+    if (!found) return;
+    document.title = `${found.route.title} – Scattermark`;
+    setError(null);
+    found.route.load().then((module) => setLoaded({ route: found.route, view: module.default }), setError);
+  }, [found?.route]);
+  if (!found) return html`<${Empty}>There is no such page. <a href="#/">All sites</a></${Empty}>`;
+  if (error) return html`<${Failure} error=${error} />`;
+  if (loaded?.route !== found.route) return html`<p><${Busy} /> loading</p>`;
+  return html`${found.params.site && html`<${SiteTabs} site=${found.params.site} tab=${found.route.tab} who=${who} />`}
+    <${loaded.view} key=${JSON.stringify(found.params)} ...${found.params} query=${found.query} who=${who} />`;
+}
+
+function SiteTabs({ site, tab, who }) {
+  const shown = siteTabs.filter((item) => !item.scopes || may(who, ...item.scopes));
+  return html`<nav class="tabs" aria-label="Site">${shown.map((item) => html`<a href=${`#/sites/${site}${item.tab && `/${item.tab}`}`} aria-current=${item.tab === tab ? "page" : null}>${item.label}</a>`)}</nav>`;
+}
