@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 from app.errors import Conflict, InvalidInput
 from app.services.live_pairing import pair_waiting
@@ -30,7 +32,7 @@ def open_live(session: Session, reference_id: str, name: str, options: LiveOptio
 
 
 def take_samples(database: Database, live_id: str, samples: Sequence[Sample]) -> tuple[LiveEvaluation, int]:
-    """Keep samples and pair what can be paired; the live evaluation as it stands, and how many samples were new.
+    """Keep samples with their arrival and pair what can be; the live evaluation as it stands, how many were new.
 
     Raises
     ------
@@ -38,8 +40,10 @@ def take_samples(database: Database, live_id: str, samples: Sequence[Sample]) ->
     Conflict
         When it is closed.
     """
+    arrived_s = time.time()
+    arrived = [replace(sample, arrived_s=arrived_s) for sample in samples]
     with database.recording() as session:
-        added = LiveEvaluationRepository(session).add_samples(live_id, samples)
+        added = LiveEvaluationRepository(session).add_samples(live_id, arrived)
         return pair_waiting(session, live_id), added
 
 

@@ -76,10 +76,12 @@ def _pair(sample: Sample, there: Trajectory, options: LiveOptions) -> LivePair:
     sigmas = there.sigmas
     return LivePair(
         time_s=sample.time_s,
+        position_m=(sample.x_m, sample.y_m, sample.z_m),
         error_m=(sample.x_m - x_m, sample.y_m - y_m, None if sample.z_m is None else sample.z_m - z_m),
         angle_rad=_angle_rad(sample, None if there.rotations is None else there.rotations[0]),
         reference_sigma_m=None if sigmas is None else float(sigmas[0, :3].max()),
         right_floor=_right_floor(sample, there, options.floor_height_m),
+        arrived_s=sample.arrived_s,
     )
 
 

@@ -82,4 +82,5 @@ def _source(read: ReadFile) -> FileSource:
         oriented=poses.orientations_xyzw is not None,
         with_covariances=poses.covariances is not None,
         with_floors=poses.floors is not None,
+        with_arrivals=poses.arrived_s is not None,
     )

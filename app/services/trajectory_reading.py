@@ -71,7 +71,10 @@ def read_file(file: TrajectoryFile, anchor: GeoAnchor | None) -> ReadFile:
     if file.times is not None and file_format != "kitti":
         raise InvalidInput(f"a file of stamps belongs to kitti, and this is {file_format}; leave times out")
     read = ReadFile(file_format, _reading(file, file_format, anchor))
-    _check_times(read.reading.trajectory.times_s, read.reading.time_unit)
+    trajectory, unit = read.reading.trajectory, read.reading.time_unit
+    _check_times(trajectory.times_s, unit)
+    if trajectory.arrived_s is not None:
+        _check_times(trajectory.arrived_s, unit)
     return read
 
 
@@ -153,9 +156,10 @@ def _site_m(places_deg_m: Array, anchor: GeoAnchor | None) -> Array:
 
 def _check_times(times_s: Array, unit: TimeUnit) -> None:
     """See that each stamp is a time that an answer can write."""
-    if times_s[0] >= 0.0 and times_s[-1] <= LATEST_S:
+    least_s, greatest_s = float(times_s.min()), float(times_s.max())
+    if least_s >= 0.0 and greatest_s <= LATEST_S:
         return
-    wrong_s = times_s[0] if times_s[0] < 0.0 else times_s[-1]
+    wrong_s = least_s if least_s < 0.0 else greatest_s
     raise UnreadableTrajectory(
         f"the stamp {wrong_s:g} s lies before 1970 or after 9999 ({unit.sentence}); name the unit as time_unit, or "
         "shift the stamps",

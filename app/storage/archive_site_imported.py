@@ -51,12 +51,14 @@ def _check_poses(session: Session, trajectory: StoredTrajectory) -> None:
     _require(count == trajectory.imported_count, "how many poses there are")
 
 
-def _told(source: FileSource | None) -> tuple[bool, bool, bool] | None:
-    return None if source is None else (source.oriented, source.with_covariances, source.with_floors)
+def _told(source: FileSource | None) -> tuple[bool, ...] | None:
+    if source is None:
+        return None
+    return source.oriented, source.with_covariances, source.with_floors, source.with_arrivals
 
 
-def _held(row: ImportedPosesRow) -> tuple[bool, bool, bool]:
-    return row.orientations_xyzw is not None, row.covariances is not None, row.floors is not None
+def _held(row: ImportedPosesRow) -> tuple[bool, ...]:
+    return tuple(held is not None for held in (row.orientations_xyzw, row.covariances, row.floors, row.arrived_s))
 
 
 def _require(sound: bool, what: str) -> None:

@@ -17,6 +17,7 @@ from app.storage.models import LiveEvaluationRow, LiveSampleRow
 from app.storage.upsert import insert_what_is_absent
 
 WAITING, PAIRED, MISSED = "waiting", "paired", "missed"
+ROWS_AT_A_TIME = 2000
 
 
 class LiveEvaluationRepository:
@@ -77,6 +78,15 @@ class LiveEvaluationRepository:
         query = select(LiveSampleRow).where(LiveSampleRow.live_id == live_id, LiveSampleRow.state == WAITING)
         rows = self._session.scalars(query.order_by(LiveSampleRow.time_s).limit(limit))
         return [(row.id, _sample(row)) for row in rows]
+
+    def samples(self, live_id: str) -> list[Sample]:
+        """All samples in the order of time."""
+        query = select(LiveSampleRow).where(LiveSampleRow.live_id == live_id).order_by(LiveSampleRow.time_s)
+        found = []
+        for row in self._session.scalars(query.execution_options(yield_per=ROWS_AT_A_TIME)):
+            found.append(_sample(row))
+            self._session.expunge(row)  # a hundred thousand samples shall not stay with the session
+        return found
 
     def settle(self, live_id: str, pairs: Mapping[str, LivePair], missed: Sequence[str], seen_ordinal: int) -> None:
         """Keep what became of waiting samples; the live evaluation is locked already."""
@@ -142,13 +152,21 @@ def _columns(pair: LivePair) -> dict[str, Any]:
 def _pair(row: LiveSampleRow) -> LivePair:
     assert row.error_x_m is not None and row.error_y_m is not None, "a pair has an error"
     error_m = (row.error_x_m, row.error_y_m, row.error_z_m)
-    return LivePair(row.time_s, error_m, row.angle_rad, row.reference_sigma_m, row.right_floor)
+    return LivePair(
+        time_s=row.time_s,
+        position_m=(row.x_m, row.y_m, row.z_m),
+        error_m=error_m,
+        angle_rad=row.angle_rad,
+        reference_sigma_m=row.reference_sigma_m,
+        right_floor=row.right_floor,
+        arrived_s=row.arrived_s,
+    )
 
 
 def _sample(row: LiveSampleRow) -> Sample:
     turn = row.orientation_xyzw
     orientation = None if turn is None else (turn[0], turn[1], turn[2], turn[3])
-    return Sample(row.time_s, row.x_m, row.y_m, row.z_m, row.floor, orientation)
+    return Sample(row.time_s, row.x_m, row.y_m, row.z_m, row.floor, orientation, row.arrived_s)
 
 
 def _stored(row: LiveEvaluationRow) -> LiveEvaluation:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.trajectories.alignment import AlignmentKind
+
 
 @dataclass(frozen=True)
 class LiveOptions:
@@ -19,12 +21,18 @@ class LiveOptions:
         From the reference's camera to the point that the system locates, in the camera's frame.
     floor_height_m : float or None
         Of a storey, where storeys are told by height.
+    alignment : {"none", "posyaw", "se3", "sim3", "first_n"}
+        Into the reference's frame, of all pairs so far.
+    first_n : int
+        Pairs of ``first_n``.
     """
 
     max_gap_s: float = 1.0
     time_offset_s: float = 0.0
     lever_arm_m: tuple[float, float, float] | None = None
     floor_height_m: float | None = None
+    alignment: AlignmentKind = "none"
+    first_n: int = 10
 
 
 @dataclass(frozen=True)
@@ -37,6 +45,8 @@ class Sample:
         UTC seconds since 1970.
     z_m : float or None
         None for a system that tells the plan alone.
+    arrived_s : float or None
+        When the server had it, by its own clock; None for those of older versions.
     """
 
     time_s: float
@@ -45,6 +55,7 @@ class Sample:
     z_m: float | None = None
     floor: int | None = None
     orientation_xyzw: tuple[float, float, float, float] | None = None
+    arrived_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -53,6 +64,8 @@ class LivePair:
 
     Attributes
     ----------
+    position_m : tuple of float or None
+        As the system told it, x, y, z.
     error_m : tuple of float or None
         Estimate less reference, x, y, z; no z for a sample that has none.
     angle_rad : float or None
@@ -60,13 +73,17 @@ class LivePair:
     reference_sigma_m : float or None
         Largest of the reference's three standard deviations.
     right_floor : bool or None
+    arrived_s : float or None
+        As the sample's.
     """
 
     time_s: float
+    position_m: tuple[float, float, float | None]
     error_m: tuple[float, float, float | None]
     angle_rad: float | None = None
     reference_sigma_m: float | None = None
     right_floor: bool | None = None
+    arrived_s: float | None = None
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ def pose_columns(piece: Trajectory) -> dict[str, Any]:
         "orientations_xyzw": None if piece.orientations_xyzw is None else blob_of_array(piece.orientations_xyzw),
         "covariances": None if piece.covariances is None else blob_of_array(_upper(piece.covariances)),
         "floors": None if floors is None else blob_of_array(floors.astype(np.float64)),
+        "arrived_s": None if piece.arrived_s is None else blob_of_array(piece.arrived_s),
     }
 
 
@@ -48,6 +49,7 @@ def poses_of_row(row: Any) -> Trajectory:
         orientations_xyzw=array_of_blob(row.orientations_xyzw, count, 4) if turned else None,
         covariances=None if row.covariances is None else _full(row.covariances, count, 6 if turned else 3),
         floors=None if floors is None else floors.astype(np.int64),
+        arrived_s=None if row.arrived_s is None else array_of_blob(row.arrived_s, count),
     )
 
 
@@ -60,6 +62,7 @@ def joined(pieces: Sequence[Trajectory]) -> Trajectory:
         None if first.orientations_xyzw is None else _together([piece.orientations_xyzw for piece in pieces]),
         None if first.covariances is None else _together([piece.covariances for piece in pieces]),
         None if first.floors is None else _together([piece.floors for piece in pieces]),
+        None if first.arrived_s is None else _together([piece.arrived_s for piece in pieces]),
     )
 
 

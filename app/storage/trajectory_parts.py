@@ -27,7 +27,7 @@ class FileSource:
         Of the file.
     note : str
         What was found out about its stamps, for people.
-    oriented, with_covariances, with_floors : bool
+    oriented, with_covariances, with_floors, with_arrivals : bool
         What it tells beside positions.
     """
 
@@ -37,6 +37,7 @@ class FileSource:
     oriented: bool
     with_covariances: bool
     with_floors: bool
+    with_arrivals: bool = False
 
 
 @dataclass(frozen=True)

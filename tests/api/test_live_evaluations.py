@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import threading
+import time
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 
 from tests.api.conftest import SurveyedRoom
@@ -183,3 +185,90 @@ def test_wrong_samples_are_told(served: Served, wrong: dict[str, Any]) -> None:
 
 def test_a_reference_that_is_not_there(served: Served) -> None:
     assert_problem(served.client.post("/evaluations/live", json={"reference_id": "nowhere"}), 404, "not-found")
+
+
+# A system in a frame of its own
+
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+COURSE_M = [(0.5 * number, float((number % 4) ** 2) / 3.0, 1.5) for number in range(12)]
+
+
+def elsewhere(place_m: tuple[float, float, float]) -> dict[str, float]:
+    """Where a system with axes of its own has a place."""
+    x_m, y_m, z_m = (TURN @ place_m + [100.0, -50.0, 7.0]).tolist()
+    return {"x_m": x_m, "y_m": y_m, "z_m": z_m}
+
+
+def walk_and_send(served: Served, live: Live) -> None:
+    steps = [Step(float(number), place_m) for number, place_m in enumerate(COURSE_M)]
+    add_steps(served.services.database, live.reference_id, live.site_id, steps)
+    for number, place_m in enumerate(COURSE_M):
+        live.send({"time_s": START_S + number, **elsewhere(place_m)})
+
+
+@pytest.mark.parametrize("alignment", ["posyaw", "se3", "sim3", "first_n"])
+def test_a_system_in_a_frame_of_its_own_is_aligned_as_pairs_come(served: Served, alignment: str) -> None:
+    live = Live(served, alignment=alignment, first_n=8)
+    walk_and_send(served, live)
+    error = live.state()["error"]
+    assert error["rmse_m"] == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(error["alignment"]["rotation"], TURN.T, atol=1e-9)
+    assert error["alignment"]["pairs_used"] == (8 if alignment == "first_n" else 12)
+    assert error["alignment"]["scale"] == pytest.approx(1.0)
+    live.close()
+    path = f"{live.path}/events"
+    with served.client.stream("GET", path, params={"last_event_id": "0"}) as response:
+        found = [item["data"] for item in events(response)]
+    assert found[0]["rmse_m"] is None and found[0]["alignment"] is None  # one pair fixes no frame
+    np.testing.assert_allclose(found[-2]["last"]["error_m"], 0.0, atol=1e-9)
+    assert found[-2]["last"]["angle_rad"] is None
+    with served.client.stream("GET", path, params={"last_event_id": "9"}) as response:
+        assert [item["data"] for item in events(response)] == found[9:]
+
+
+def test_a_plan_is_aligned_in_the_plan(served: Served) -> None:
+    live = Live(served, alignment="posyaw")
+    steps = [Step(float(number), place_m) for number, place_m in enumerate(COURSE_M)]
+    add_steps(served.services.database, live.reference_id, live.site_id, steps)
+    for number, place_m in enumerate(COURSE_M):
+        told = elsewhere(place_m)
+        live.send({"time_s": START_S + number, "x_m": told["x_m"], "y_m": told["y_m"]})
+    assert live.state()["error"]["CE95_m"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_latency_is_from_the_samples_moment_to_the_server(served: Served) -> None:
+    live = Live(
+        served, max_gap_s=5.0, time_offset_s=time.time() - START_S - 2.0
+    )  # the sample's moment was two seconds ago
+    steps = [Step(served_s - START_S, (0.0, 2.0, 1.5)) for served_s in (time.time() - 3.0, time.time() - 1.0)]
+    add_steps(served.services.database, live.reference_id, live.site_id, steps)
+    live.send(sample(0.0))
+    latency_s = live.state()["error"]["latency_s"]
+    assert 2.0 <= latency_s < 60.0
+
+
+@pytest.mark.parametrize("option", [{"time_offset_s": "estimate"}, {"alignment": "origin"}])
+def test_what_takes_a_whole_walk_is_refused_with_the_way_to_it(served: Served, option: dict[str, str]) -> None:
+    reference_id = opened(served, served.new_site())["trajectory_id"]
+    answer = served.client.post("/evaluations/live", json={"reference_id": reference_id, "options": option})
+    assert "/evaluations/live/{live_id}/trajectory" in assert_problem(answer, 422, "invalid-input")["detail"]
+
+
+def test_its_samples_are_evaluated_with_every_option_afterwards(served: Served) -> None:
+    live = Live(served)
+    assert_problem(served.client.post(f"{live.path}/trajectory"), 409, "conflict")
+    walk_and_send(served, live)
+    kept = served.client.post(f"{live.path}/trajectory", json={"name": "uwb, first walk"})
+    assert kept.status_code == 201, kept.text
+    assert (kept.json()["poses"], kept.json()["format"]) == (12, "live")
+    body = {
+        "reference_id": live.reference_id,
+        "estimate_id": kept.json()["trajectory_id"],
+        "options": {"alignment": "se3"},
+    }
+    answer = served.client.post("/evaluations", json=body)
+    assert answer.status_code == 201, answer.text
+    metrics = answer.json()["metrics"]
+    assert metrics["accuracy"]["spatial_m"]["rms"] == pytest.approx(0.0, abs=1e-6)
+    assert metrics["availability"]["latency_s"]["count"] == 12
+    assert answer.json()["systems"][0]["name"] == "uwb, first walk"

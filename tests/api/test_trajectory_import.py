@@ -158,16 +158,34 @@ def test_geopose_turns_the_camera_against_east_north_up(served: Served, site_id:
     np.testing.assert_allclose([pose["quaternion"][name] for name in "zw"], [np.sin(half_rad), np.cos(half_rad)])
 
 
+@pytest.mark.parametrize(("wanted", "atol_s"), [("geopose", 0.6e-3), ("evaal", 1e-6), ("posi", 1e-6)])
+def test_files_of_other_worlds_come_back(served: Served, site_id: str, tum_id: str, wanted: str, atol_s: float) -> None:
+    again = imported(served, exported(served, tum_id, wanted), site_id=site_id)
+    assert again["format"] == ("geopose" if wanted == "geopose" else "evaal")
+    there = read_trajectory(exported(served, again["trajectory_id"], "csv").encode()).trajectory
+    np.testing.assert_allclose(there.times_s, walk(10.0).times_s, rtol=0, atol=atol_s)
+    np.testing.assert_allclose(there.positions_m[:, :2], walk(10.0).positions_m[:, :2], rtol=0, atol=2e-4)
+    if wanted == "geopose":
+        assert there.rotations is not None and walk(10.0).rotations is not None
+        np.testing.assert_allclose(there.rotations, walk(10.0).rotations, atol=1e-7)
+
+
 def test_positions_alone_come_out_where_no_orientation_is_needed(served: Served, site_id: str) -> None:
     covariances = np.tile(np.diag([0.01, 0.04, 0.09]), (3, 1, 1))
     floors = np.array([0, 1, 1])
-    alone = Trajectory(START_S + np.arange(3.0), np.eye(3), None, covariances, floors)
+    times_s = START_S + np.arange(3.0)
+    alone = Trajectory(times_s, np.eye(3), None, covariances, floors, times_s + 0.25)
     text = "".join(csv_text([alone]))
     trajectory_id = imported(served, text, site_id=site_id)["trajectory_id"]
     assert exported(served, trajectory_id, "csv") == text
     features = json.loads(exported(served, trajectory_id, "geojson"))["features"]
     assert [feature["properties"]["floor"] for feature in features] == [0, 1, 1]
     page = served.client.get(f"/trajectories/{trajectory_id}").json()
+    assert page["poses"][0]["arrived_at"].endswith(".250000Z") and page["source"]["with_arrivals"]
+    again = imported(served, json.dumps({"type": "FeatureCollection", "features": features}), site_id=site_id)
+    back = served.client.get(f"/trajectories/{again['trajectory_id']}").json()
+    assert back["poses"][0]["covariance"] == page["poses"][0]["covariance"]
+    assert [pose["arrived_at"] for pose in back["poses"]] == [pose["arrived_at"] for pose in page["poses"]]
     assert page["poses"][0]["position_sigma_m"] == pytest.approx([0.1, 0.2, 0.3])
     listed = served.client.get("/trajectories", params={"site_id": site_id, "max_sigma_m": 0.31}).json()
     assert trajectory_id in {item["trajectory_id"] for item in listed["trajectories"]}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import pytest
 
@@ -36,7 +37,10 @@ def test_what_is_kept_is_what_was_told(database: Database) -> None:
     assert (live.reference_id, live.site_id, live.name, live.options) == (reference_id, site_id, "uwb", OPTIONS)
     with database.reading() as session:
         waiting = LiveEvaluationRepository(session).waiting(live_id, 10)
-    assert [sample for _, sample in waiting] == [at(0.5), at(1.0)]
+        kept = LiveEvaluationRepository(session).samples(live_id)
+    assert [replace(sample, arrived_s=None) for _, sample in waiting] == [at(0.5), at(1.0)]
+    assert kept == [sample for _, sample in waiting]
+    assert all(sample.arrived_s is not None for sample in kept)
 
 
 def test_pairs_are_numbered_once_whoever_looks(database: Database) -> None:
@@ -57,7 +61,8 @@ def test_pairs_are_numbered_once_whoever_looks(database: Database) -> None:
     add_steps(database, reference_id, site_id, [Step(1.0, (1.0, 2.0, 1.5))])
     for worker in workers:
         worker.join()
-    live, so_far = error_so_far(database, live_id)
+    live, tally = error_so_far(database, live_id)
+    so_far = tally.so_far
     assert so_far is not None
     assert (live.sample_count, live.pair_count, live.waiting_count, so_far.count) == (40, 40, 0, 40)
     assert so_far.rmse_m == pytest.approx(0.0, abs=1e-6)  # stamps since 1970 are 0.2 microseconds apart

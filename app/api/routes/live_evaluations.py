@@ -14,14 +14,17 @@ from app.api.problems import problems
 from app.api.schemas.live_evaluations import (
     ErrorAnswer,
     ErrorEvent,
+    KeptSamplesBody,
     LiveAnswer,
     LiveStateAnswer,
     SamplesAnswer,
     SamplesBody,
 )
+from app.api.schemas.trajectory_import import ImportAnswer
 from app.api.security import needs
 from app.services.live_evaluation import close_live, take_samples
 from app.services.live_events import error_so_far, watch_live
+from app.services.live_samples import keep_samples
 from app.storage.live_evaluations import LiveEvaluationRepository
 
 router = APIRouter(tags=["live evaluations"])
@@ -37,8 +40,8 @@ def open_live_evaluation(live: Opened) -> LiveAnswer:
 @router.get("/evaluations/live/{live_id}", dependencies=[needs("analyse")], responses=problems(404, 422))
 def get_live_evaluation(live_id: PathId, services: Running) -> LiveStateAnswer:
     """A live evaluation and the error so far."""
-    live, so_far = error_so_far(services.database, live_id)
-    answer: LiveStateAnswer = LiveStateAnswer.of(live, error=ErrorAnswer.of(so_far))
+    live, tally = error_so_far(services.database, live_id)
+    answer: LiveStateAnswer = LiveStateAnswer.of(live, error=ErrorAnswer.of(tally))
     return answer
 
 
@@ -76,6 +79,17 @@ def close_live_evaluation(live_id: PathId, session: WriteSession) -> LiveAnswer:
     """Take no more samples; a closed one stays as it is."""
     answer: LiveAnswer = LiveAnswer.of(close_live(session, live_id))
     return answer
+
+
+@router.post(
+    "/evaluations/live/{live_id}/trajectory",
+    status_code=201,
+    dependencies=[needs("analyse")],
+    responses=problems(400, 404, 409, 413, 422),
+)
+def keep_live_samples(live_id: PathId, session: WriteSession, body: KeptSamplesBody | None = None) -> ImportAnswer:
+    """The samples as an imported trajectory, which POST /evaluations compares with every option."""
+    return ImportAnswer.of(keep_samples(session, live_id, None if body is None else body.name))
 
 
 @router.delete(

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
 
 from app.api.dependencies import Id
-from app.api.schemas.common import WHOLE, Body, Finite, time_of
+from app.api.schemas.common import WHOLE, Body, Finite, Vector3, time_of
 from app.api.schemas.evaluations import GREATEST_GAP_S, GREATEST_S, Metres
 from app.api.schemas.texts import Text
 from app.services.capture_time import LATEST_S
-from app.services.live_events import LiveNews, distances_m
+from app.services.live_events import LiveNews
+from app.services.live_tally import Tally, distances_m, latency_of
 from app.storage.live_records import LiveEvaluation, LiveOptions, LivePair, Sample
-from app.trajectories.metrics.running import ErrorSoFar
+from app.trajectories.alignment import LEAST_PAIRS, Alignment
 
 MOST_SAMPLES = 1000  # of one request
 GREATEST_M = 1e6
 GREATEST_FLOOR = 1000
 LENGTH_TOLERANCE = 0.01  # of a quaternion, as in files
+AFTERWARDS = ("estimate", "origin")  # a clock's offset, an alignment by orientations
 
 Coordinate = Annotated[Finite, Field(ge=-GREATEST_M, le=GREATEST_M)]
 
@@ -31,19 +33,35 @@ def _unit(quaternion: list[float]) -> list[float]:
     return [value / length for value in quaternion]
 
 
+def _known_while_walking(told: object) -> object:
+    """What takes a whole walk is refused with the way to it."""
+    if told in AFTERWARDS:
+        raise ValueError(
+            f"{told!r} takes the whole walk: open without it, and when the walk is over keep the samples (POST "
+            "/evaluations/live/{live_id}/trajectory) and evaluate them with every option (POST /evaluations)"
+        )
+    return told
+
+
 class LiveOptionsBody(Body):
     """How samples are compared; the reference is interpolated at each."""
 
     max_gap_s: Annotated[Finite, Field(ge=0, le=GREATEST_GAP_S)] = 1.0
-    time_offset_s: Annotated[Finite, Field(ge=-GREATEST_S, le=GREATEST_S)] = 0.0
+    time_offset_s: Annotated[Finite, BeforeValidator(_known_while_walking), Field(ge=-GREATEST_S, le=GREATEST_S)] = 0.0
     lever_arm_m: Annotated[list[Metres], Field(min_length=3, max_length=3)] | None = None
     floor_height_m: Annotated[Finite, Field(gt=0.1, le=100)] | None = None
+    alignment: Annotated[
+        Literal["none", "posyaw", "se3", "sim3", "first_n"],
+        BeforeValidator(_known_while_walking),
+        Field(description="Of all pairs so far, by their positions, fitted anew as pairs come."),
+    ] = "none"
+    first_n: Annotated[int, Field(ge=LEAST_PAIRS, le=2**31 - 1, strict=True), WHOLE] = 10
 
     def to_domain(self) -> LiveOptions:
         """The options."""
         arm = self.lever_arm_m
         arm_m = None if arm is None else (arm[0], arm[1], arm[2])
-        return LiveOptions(self.max_gap_s, self.time_offset_s, arm_m, self.floor_height_m)
+        return LiveOptions(self.max_gap_s, self.time_offset_s, arm_m, self.floor_height_m, self.alignment, self.first_n)
 
 
 class NewLiveBody(Body):
@@ -104,6 +122,8 @@ class LiveAnswer(BaseModel):
             "time_offset_s": live.options.time_offset_s,
             "lever_arm_m": None if arm_m is None else list(arm_m),
             "floor_height_m": live.options.floor_height_m,
+            "alignment": live.options.alignment,
+            "first_n": live.options.first_n,
         }
         return cls(
             live_id=live.live_id,
@@ -119,6 +139,12 @@ class LiveAnswer(BaseModel):
             missed=live.missed_count,
             **more,
         )
+
+
+class KeptSamplesBody(Body):
+    """The samples as a trajectory."""
+
+    name: Annotated[Text | None, Field(description="For people; the live evaluation's name unless told.")] = None
 
 
 class SamplesAnswer(BaseModel):
@@ -142,20 +168,50 @@ class SamplesAnswer(BaseModel):
         )
 
 
+class AlignmentAnswer(BaseModel):
+    """position in the site = scale * rotation * position of the system + translation."""
+
+    kind: str
+    pairs_used: int
+    scale: float
+    rotation: list[Vector3]
+    translation_m: Vector3
+
+    @classmethod
+    def of(cls, alignment: Alignment) -> AlignmentAnswer:
+        """The answer for an alignment."""
+        found = alignment.site_from_estimate
+        return cls(
+            kind=alignment.kind,
+            pairs_used=alignment.pairs_used,
+            scale=found.scale,
+            rotation=found.rotation.tolist(),
+            translation_m=found.translation_m.tolist(),
+        )
+
+
 class ErrorAnswer(BaseModel):
-    """What pairs amount to, metres; null without a pair."""
+    """What pairs amount to, metres; null without a pair, and while the pairs do not fix the alignment."""
 
     rmse_m: float | None
     mean_m: float | None
     CE50_m: float | None
     CE95_m: float | None
+    latency_s: float | None = Field(description="Median of how long after their moment samples reached the server.")
+    alignment: AlignmentAnswer | None = Field(description="Null when none was asked for, and until it is fixed.")
 
     @classmethod
-    def of(cls, so_far: ErrorSoFar | None) -> ErrorAnswer:
+    def of(cls, tally: Tally) -> ErrorAnswer:
         """The answer for the error so far."""
-        if so_far is None:
-            return cls(rmse_m=None, mean_m=None, CE50_m=None, CE95_m=None)
-        return cls(rmse_m=so_far.rmse_m, mean_m=so_far.mean_m, CE50_m=so_far.ce50_m, CE95_m=so_far.ce95_m)
+        so_far = tally.so_far
+        return cls(
+            rmse_m=None if so_far is None else so_far.rmse_m,
+            mean_m=None if so_far is None else so_far.mean_m,
+            CE50_m=None if so_far is None else so_far.ce50_m,
+            CE95_m=None if so_far is None else so_far.ce95_m,
+            latency_s=tally.latency_s,
+            alignment=None if tally.alignment is None else AlignmentAnswer.of(tally.alignment),
+        )
 
 
 class LiveStateAnswer(LiveAnswer):
@@ -171,12 +227,13 @@ class PairAnswer(BaseModel):
     error_m: list[float | None] = Field(description="Estimate less reference, x, y, z; z null for a plan alone.")
     horizontal_m: float
     distance_m: float
-    angle_rad: float | None
+    angle_rad: float | None = Field(description="Null without orientations, and for a system that is aligned.")
     reference_sigma_m: float | None
     right_floor: bool | None
+    latency_s: float | None
 
     @classmethod
-    def of(cls, pair: LivePair) -> PairAnswer:
+    def of(cls, pair: LivePair, options: LiveOptions) -> PairAnswer:
         """The answer for a pair."""
         horizontal_m, distance_m = distances_m(pair)
         return cls(
@@ -187,6 +244,7 @@ class PairAnswer(BaseModel):
             angle_rad=pair.angle_rad,
             reference_sigma_m=pair.reference_sigma_m,
             right_floor=pair.right_floor,
+            latency_s=latency_of(pair, options),
         )
 
 
@@ -203,10 +261,10 @@ class ErrorEvent(ErrorAnswer):
     def of_news(cls, news: LiveNews) -> ErrorEvent:
         """The event for a new pair."""
         return cls(
-            **ErrorAnswer.of(news.so_far).model_dump(),
+            **ErrorAnswer.of(news.tally).model_dump(),
             matched=news.number,
             count=news.live.sample_count,
             waiting=news.live.waiting_count,
             missed=news.live.missed_count,
-            last=None if news.pair is None else PairAnswer.of(news.pair),
+            last=None if news.pair is None else PairAnswer.of(news.pair, news.live.options),
         )

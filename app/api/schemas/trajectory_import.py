@@ -66,6 +66,7 @@ class SourceAnswer(BaseModel):
     oriented: bool = Field(description="Whether its poses have orientations.")
     with_covariances: bool
     with_floors: bool
+    with_arrivals: bool
 
     @classmethod
     def of(cls, source: FileSource) -> SourceAnswer:
@@ -77,6 +78,7 @@ class SourceAnswer(BaseModel):
             oriented=source.oriented,
             with_covariances=source.with_covariances,
             with_floors=source.with_floors,
+            with_arrivals=source.with_arrivals,
         )
 
 
@@ -90,6 +92,7 @@ class ImportedPoseAnswer(BaseModel):
     covariance: list[list[float]] | None = Field(description="6 x 6, or 3 x 3 of a position alone.")
     position_sigma_m: Vector3 | None
     floor: int | None
+    arrived_at: str | None = Field(description="When it was there to be used, by the clock of captured_at.")
 
 
 def imported_answers(part: ImportedPart) -> list[ImportedPoseAnswer]:
@@ -104,6 +107,7 @@ def imported_answers(part: ImportedPart) -> list[ImportedPoseAnswer]:
         nothing if poses.covariances is None else poses.covariances.tolist(),
         nothing if poses.sigmas is None else poses.sigmas[:, :3].tolist(),
         nothing if poses.floors is None else poses.floors.tolist(),
+        nothing if poses.arrived_s is None else poses.arrived_s.tolist(),
         strict=True,
     )
     return [
@@ -115,6 +119,7 @@ def imported_answers(part: ImportedPart) -> list[ImportedPoseAnswer]:
             covariance=covariance,
             position_sigma_m=sigma_m,
             floor=floor,
+            arrived_at=None if arrived_s is None else time_of(arrived_s),
         )
-        for ordinal, time_s, position_m, orientation_xyzw, covariance, sigma_m, floor in columns
+        for ordinal, time_s, position_m, orientation_xyzw, covariance, sigma_m, floor, arrived_s in columns
     ]

@@ -17,6 +17,7 @@ class PoseColumns:
     orientations_xyzw: Mapped[Blob | None]
     covariances: Mapped[Blob | None]
     floors: Mapped[Blob | None]
+    arrived_s: Mapped[Blob | None]
 
 
 class ImportedPosesRow(PoseColumns, Base):
@@ -112,6 +113,7 @@ class LiveSampleRow(Base):
     z_m: Mapped[Number | None]  # null for a system that tells the plan alone; the error has none then either
     floor: Mapped[int | None]
     orientation_xyzw: Mapped[JsonList | None] = mapped_column(JSON(none_as_null=True))
+    arrived_s: Mapped[Number | None]  # at the server; null for those that came before this was kept
     state: Mapped[Short]  # waiting, paired or missed
     pair: Mapped[int | None]  # 1, 2, ... in the order in which pairs were found: the id of their events
     error_x_m: Mapped[Number | None]

@@ -6,7 +6,10 @@ import math
 from bisect import insort
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.trajectories.metrics.summary import CIRCULAR
+from app.trajectories.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,15 @@ class RunningErrors:
         self._horizontal_m: list[float] = []
         self._sum_m = 0.0
         self._sum_of_squares_m2 = 0.0
+
+    @classmethod
+    def of(cls, horizontal_m: Array, spatial_m: Array) -> tuple[RunningErrors, ErrorSoFar]:
+        """Some pairs at once, one at least, of shape (K,)."""
+        running = cls()
+        running._horizontal_m = np.sort(horizontal_m[:-1]).tolist()
+        running._sum_m = float(spatial_m[:-1].sum())
+        running._sum_of_squares_m2 = float((spatial_m[:-1] ** 2).sum())
+        return running, running.add(float(horizontal_m[-1]), float(spatial_m[-1]))
 
     def add(self, horizontal_m: float, spatial_m: float) -> ErrorSoFar:
         """One pair more."""

@@ -18,7 +18,7 @@ from app.trajectories.formats import (
     SIGMA_COLUMNS,
 )
 from app.trajectories.reading.covariances import check_definite
-from app.trajectories.reading.poses import Reading, times_s_of, unit_quaternions, whole_floors
+from app.trajectories.reading.poses import Reading, check_arrivals, times_s_of, unit_quaternions, whole_floors
 from app.trajectories.reading.table import Table, UnreadableTrajectory, data_lines, read_table, text_of
 from app.trajectories.reading.time_units import PER_SECOND, TimeUnit, UnitName, unit_of_stamps
 from app.trajectories.trajectory import Array, Trajectory
@@ -28,7 +28,6 @@ ARRIVALS: dict[str, UnitName] = {f"arrived_{unit}": unit for unit in PER_SECOND}
 WRITTEN_TIME, FLOOR = "time_utc", "floor"
 KNOWN = (*CSV_COLUMNS, *(name for name in STAMPS if name not in CSV_COLUMNS), FLOOR, *ARRIVALS)
 COMMA = ","
-GREATEST_LATENCY_S = 86_400.0  # a day: whatever is farther from its pose's time is of another clock or unit
 
 Lines = list[tuple[int, str]]
 
@@ -61,7 +60,8 @@ def read_csv(data: bytes, time_unit: UnitName | None = None) -> Reading:
     trajectory = _trajectory(table, times_s)
     arrived_s = _arrived_s(table, unit)
     if arrived_s is not None:
-        _check_arrivals(table, arrived_s - times_s)
+        column = next(name for name in ARRIVALS if table.has(name))
+        check_arrivals(arrived_s - times_s, lambda row, what: table.refuse(row, column, what))
     return Reading(replace(trajectory, arrived_s=arrived_s), unit)
 
 
@@ -121,14 +121,6 @@ def _written_time_s(line: int, field: str) -> float:
             column=WRITTEN_TIME,
         ) from error
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-
-
-def _check_arrivals(table: Table, latency_s: Array) -> None:
-    wrong = np.flatnonzero(np.abs(latency_s) > GREATEST_LATENCY_S)
-    if len(wrong):
-        row, column = int(wrong[0]), next(name for name in ARRIVALS if table.has(name))
-        what = f"it is {latency_s[row]:g} s from its pose's time; both count by one clock and in the unit they name"
-        raise table.refuse(row, column, what)
 
 
 def _arrived_s(table: Table, unit: TimeUnit) -> Array | None:

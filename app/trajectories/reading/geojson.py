@@ -20,7 +20,7 @@ from app.trajectories.reading.json_values import (
     square_matrix,
     unit_quaternion,
 )
-from app.trajectories.reading.poses import GREATEST_FLOOR
+from app.trajectories.reading.poses import GREATEST_FLOOR, check_arrivals
 from app.trajectories.reading.table import SHOWN
 from app.trajectories.trajectory import Array
 
@@ -49,13 +49,16 @@ def read_geojson(data: bytes) -> GeodeticPoses:
     covariances = np.array(_each(features, _covariance_of(size))) if COVARIANCE in first else None
     if covariances is not None:
         check_definite(covariances, lambda row, what: Member(FEATURE, row + 1, COVARIANCE).refuse(what))
+    arrived_s = np.array(_each(features, _arrived_s)) if ARRIVED in first else None
+    if arrived_s is not None:
+        check_arrivals(arrived_s - times_s, lambda row, what: Member(FEATURE, row + 1, ARRIVED).refuse(what))
     return GeodeticPoses(
         times_s,
         np.array(_each(features, _place)),
         np.array(_each(features, _orientation)) if ORIENTATION in first else None,
         np.array(_each(features, _floor), dtype=np.int64) if FLOOR in first else None,
         covariances,
-        np.array(_each(features, _arrived_s)) if ARRIVED in first else None,
+        arrived_s,
     )
 
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from app.trajectories.reading.table import Table
+from app.trajectories.reading.table import Table, UnreadableTrajectory
 from app.trajectories.reading.time_units import TimeUnit, UnitName, unit_of_stamps
 from app.trajectories.trajectory import Array, Trajectory
 
 LENGTH_TOLERANCE = 0.01  # of a quaternion's length: files round to three digits, and anything farther off is a mistake
 GREATEST_FLOOR = 1000  # no house has so many
+GREATEST_LATENCY_S = 86_400.0  # a day: whatever is farther from its pose's time is of another clock or unit
 
 
 @dataclass(frozen=True)
@@ -80,3 +81,23 @@ def whole_floors(table: Table, column: str = "floor") -> npt.NDArray[np.int64]:
         row = int(broken[0])
         raise table.refuse(row, column, f"{floors[row]:g} is no storey; storeys are whole numbers")
     return floors.astype(np.int64)
+
+
+def check_arrivals(latency_s: Array, refuse: Callable[[int, str], UnreadableTrajectory]) -> None:
+    """See that arrivals are near the moments of their poses.
+
+    Parameters
+    ----------
+    latency_s : ndarray of shape (N,)
+    refuse : callable
+        Takes a row and what is wrong to the error that points at it.
+
+    Raises
+    ------
+    UnreadableTrajectory
+    """
+    wrong = np.flatnonzero(np.abs(latency_s) > GREATEST_LATENCY_S)
+    if len(wrong):
+        row = int(wrong[0])
+        what = f"it is {latency_s[row]:g} s from its pose's time; both count by one clock and in the unit they name"
+        raise refuse(row, what)
