@@ -33,25 +33,36 @@ def test_grey_values_become_linear_light() -> None:
 
 
 @pytest.mark.parametrize(
-    ("size_px", "count", "sizes"),
-    [
-        ((640, 480), 3, [(640, 480), (320, 240), (160, 120)]),
-        ((7, 5), 4, [(7, 5), (3, 2), (1, 1)]),
-        ((1, 1), 3, [(1, 1)]),
-        ((9, 1), 2, [(9, 1)]),
-    ],
+    ("size_px", "count", "halvings_max"), [((640, 480), 3, 2), ((7, 5), 4, 2), ((1, 1), 3, 0), ((9, 1), 2, 0)]
 )
-def test_each_level_halves_the_last(size_px: tuple[int, int], count: int, sizes: list[tuple[int, int]]) -> None:
+def test_a_photograph_is_halved_as_long_as_a_pixel_is_left(
+    size_px: tuple[int, int], count: int, halvings_max: int
+) -> None:
     pyramid = Pyramid.of(np.zeros((size_px[1], size_px[0], 3), dtype=np.uint8), count)
-    assert [(level.shape[1], level.shape[0]) for level in pyramid.levels] == sizes
     assert pyramid.size_px == size_px
+    assert pyramid.halvings_max == halvings_max
+
+
+EVERYWHERE_PX = np.array([[-50.0, -50.0], [500.0, 500.0]])
 
 
 def test_a_halved_pixel_is_the_mean_of_its_four() -> None:
     picture = np.random.default_rng(1).integers(0, 256, (11, 15, 3), dtype=np.uint8)
-    half = Pyramid.of(picture, 2).levels[1]
+    half, first_px = Pyramid.of(picture, 2).halved_around(EVERYWHERE_PX, 1)
     expected = picture[:10, :14].reshape(5, 2, 7, 2, 3).mean(axis=(1, 3))
+    assert first_px.tolist() == [0, 0]
     np.testing.assert_allclose(half, expected, atol=0.5)
+
+
+@pytest.mark.parametrize("halvings", [1, 2, 3])
+def test_a_part_is_what_the_whole_has_there(halvings: int) -> None:
+    pyramid = Pyramid.of(np.random.default_rng(2).integers(0, 256, (203, 301, 3), dtype=np.uint8), 4)
+    whole, _ = pyramid.halved_around(EVERYWHERE_PX, halvings)
+    for points_px in ([[90.3, 40.0], [131.0, 77.7]], [[-9.0, 150.0], [20.0, 260.0]], [[400.0, 400.0], [420.0, 410.0]]):
+        part, first_px = pyramid.halved_around(np.array(points_px), halvings)
+        left, top = first_px // 2**halvings
+        np.testing.assert_array_equal(part, whole[top : top + part.shape[0], left : left + part.shape[1]])
+        assert part.size
 
 
 @pytest.mark.parametrize("grid", list(PatchGrid))
