@@ -114,7 +114,8 @@ def clean_network(growth: Growth, options: QualityOptions, on_step: Callable[[],
     for _ in range(options.most_rounds):
         on_step()
         part, problem = held_part(state.growth)
-        network = adjust_robustly(problem, state.growth.network.among(part.photos, part.targets), growth.options)
+        start = state.growth.network.among(part.photos, part.targets)
+        network = adjust_robustly(problem, start, growth.capture_loss, growth.options)
         placed = state.growth.network.with_part(network, part.photos, part.targets)
         state = replace(state, growth=replace(state.growth, network=placed))
         after = _without_false(state, part, problem, options)

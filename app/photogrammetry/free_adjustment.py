@@ -69,7 +69,7 @@ def adjust_growth(growth: Growth) -> Growth:
     problem = part_problem(growth.problem, part)
     network = growth.network.among(part.photos, part.targets)
     problem = replace(problem, photo_poses=held_photo(network, 0))
-    network = adjust_robustly(problem, network, growth.options)
+    network = adjust_robustly(problem, network, growth.capture_loss, growth.options)
     squared = squared_residuals(problem, network)
     growth = replace(
         growth,
@@ -103,18 +103,37 @@ def standing(growth: Growth, fewest_targets: int = 1) -> Part:
     return Part(photos[held], np.unique(seen.target))
 
 
-def adjust_robustly(problem: BundleProblem, network: Network, options: GrowthOptions) -> Network:
-    """The network adjusted twice, the second time with a loss as narrow as the residuals of the first allow."""
+def adjust_robustly(problem: BundleProblem, network: Network, capture: RobustLoss, options: GrowthOptions) -> Network:
+    """The network adjusted twice, the second time with a loss as narrow as the residuals of the first allow.
+
+    A growing network drifts. Where two of its branches meet, true sightings are off by many standard deviations, and
+    a narrow loss lets go of just these. So what is strained is adjusted again with the wide loss ``capture`` first,
+    which draws branches together, but also bends to false codes: the better of the two is taken.
+    """
+    found = _narrowly(problem, network, options)
+    squared = _measured_squares(problem, found)
+    narrow = RobustLoss("cauchy", options.loss_width * max(robust_scale(squared), 1.0))
+    if not (squared > (options.strayed * narrow.width) ** 2).any():
+        return found
+    drawn = _narrowly(problem, _adjusted_with(problem, network, capture, options), options)
+    better = narrow.cost(_measured_squares(problem, drawn)).sum() < narrow.cost(squared).sum()
+    return drawn if better else found
+
+
+def _narrowly(problem: BundleProblem, network: Network, options: GrowthOptions) -> Network:
     for _ in range(2):
-        squared = squared_residuals(problem, network)[problem.sightings.measured]
-        width = options.loss_width * max(robust_scale(squared), 1.0)
-        steps = BundleOptions(
-            loss=RobustLoss("cauchy", width),
-            most_steps=options.adjustment_steps,
-            converged_share=options.adjusted_share,
-        )
-        network = adjust_bundle(problem, network, steps).network
+        width = options.loss_width * max(robust_scale(_measured_squares(problem, network)), 1.0)
+        network = _adjusted_with(problem, network, RobustLoss("cauchy", width), options)
     return network
+
+
+def _measured_squares(problem: BundleProblem, network: Network) -> Array:
+    return squared_residuals(problem, network)[problem.sightings.measured]
+
+
+def _adjusted_with(problem: BundleProblem, network: Network, loss: RobustLoss, options: GrowthOptions) -> Network:
+    steps = BundleOptions(loss=loss, most_steps=options.adjustment_steps, converged_share=options.adjusted_share)
+    return adjust_bundle(problem, network, steps).network
 
 
 def _with_mirrors_moved(growth: Growth, part: Part) -> Growth:

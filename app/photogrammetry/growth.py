@@ -109,9 +109,8 @@ class Growth:
     @property
     def capture_loss(self) -> RobustLoss:
         """Loss of residuals in standard deviations that forgets what lies beyond the tolerance."""
-        weights = self.problem.sightings.whitening_per_px[..., 0, 0]
         focal_px = float(np.median(self.network.intrinsics[:, 0]))
-        return RobustLoss("cauchy", self.tolerance * focal_px * float(np.median(weights[weights > 0])))
+        return RobustLoss("cauchy", self.tolerance * focal_px * self.problem.sightings.typical_weight_per_px)
 
     def hypotheses(self, targets: Index) -> tuple[Array, Array]:
         """Both poses ``model_from_target`` of some targets, shapes (n, 2, 3, 3) and (n, 2, 3)."""

@@ -85,7 +85,8 @@ def _grown(growth: Growth, free: Mask, on_growth: OnGrowth) -> Growth:
     while True:
         wave = _wave(growth, free, tried_with)
         if len(wave):
-            growth = place_targets(orient_photos(growth, wave))
+            before, growth = growth.oriented, orient_photos(growth, wave)
+            growth = place_targets(growth, np.flatnonzero(growth.oriented & ~before))
             on_growth(int(growth.oriented.sum()))
         elif growth.oriented.sum() > max(growth.adjusted_photos, 1):
             tried_with[:] = 0  # better cameras may orient what failed before

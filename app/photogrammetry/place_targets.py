@@ -31,10 +31,20 @@ Mask = npt.NDArray[np.bool_]
 MIRRORS = 2
 
 
-def place_targets(growth: Growth) -> Growth:
-    """Place, anew if need be, every undecided target that oriented photographs see."""
+def place_targets(growth: Growth, fresh: Index | None = None) -> Growth:
+    """Place, anew if need be, every undecided target that oriented photographs see.
+
+    Parameters
+    ----------
+    growth : Growth
+    fresh : ndarray of int, optional
+        Photographs oriented since the last time: only what they see can be placed better than before.
+    """
     every = growth.problem.sightings
-    seen = every.select(growth.oriented[every.photo] & ~growth.decided[every.target])
+    wanted = ~growth.decided
+    if fresh is not None:
+        wanted = wanted & np.isin(np.arange(every.target_count), every.target[np.isin(every.photo, fresh)])
+    seen = every.select(growth.oriented[every.photo] & wanted[every.target])
     proposals = sighted_poses(growth.problem, growth.network, seen.select(_largest(seen, growth.options.views)))
     proposals = proposals.select(np.asarray(proposals.exists.all(axis=-1)))
     if not len(proposals.sightings):

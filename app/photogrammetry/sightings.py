@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -61,6 +62,12 @@ class Sightings:
     def measured(self) -> Mask:
         """Which dots carry information, shape (M, 16)."""
         return self.whitening_per_px[..., 0, 0] > 0
+
+    @cached_property
+    def typical_weight_per_px(self) -> float:
+        """Median of the measured dots' weights, the reciprocal of a standard deviation."""
+        weights = self.whitening_per_px[..., 0, 0]
+        return float(np.median(weights[weights > 0]))
 
     def select(self, chosen: Mask | Index | slice) -> Sightings:
         """The chosen sightings (by mask, by ascending rows, or a run) of the same photographs and targets."""
