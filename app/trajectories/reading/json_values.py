@@ -14,6 +14,7 @@ from app.trajectories.reading.poses import LENGTH_TOLERANCE
 from app.trajectories.reading.table import GREATEST_NUMBER, GREATEST_ROWS, SHOWN, UnreadableTrajectory, text_of
 from app.trajectories.trajectory import Array
 
+GREATEST_BYTES = 128 << 20  # some 200,000 poses with covariances, 1.3 GB while they are read
 SYMMETRY = 1e-6  # of a covariance's greatest element: files round to seven digits
 
 
@@ -64,8 +65,12 @@ def document_of(data: bytes) -> Any:
     Raises
     ------
     UnreadableTrajectory
-        When it is none.
+        When it is none, or too large: as objects it takes ten times its bytes.
     """
+    if len(data) > GREATEST_BYTES:
+        raise UnreadableTrajectory(
+            f"the file has {len(data)} bytes, and JSON is taken up to {GREATEST_BYTES}; send it in parts, or as CSV"
+        )
     try:
         return json.loads(text_of(data))
     except (ValueError, RecursionError) as error:

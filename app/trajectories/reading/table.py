@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,8 @@ from app.trajectories.trajectory import Array
 
 COMMENT = "#"
 GREATEST_ROWS = 2_000_000  # a month at 1 Hz, 5 h of an IMU-driven system at 100 Hz; some 300 MB while it is read
+GREATEST_LINES = 2 * GREATEST_ROWS  # comments, blank lines and other sensors' records among them
+PIECE = 1 << 20  # characters of a text that are split at a time
 GREATEST_NUMBER = 1e20  # nanoseconds since 1970 are 2e18, the rest is metres
 SHOWN = 40  # characters of a wrong field in the message
 
@@ -64,8 +66,13 @@ def text_of(data: bytes) -> str:
     Raises
     ------
     UnreadableTrajectory
-        When it is no UTF-8, or empty.
+        When it is no UTF-8, empty, or has more lines than poses and comments ever need: seen before it is decoded.
     """
+    if data.count(b"\n") > GREATEST_LINES:
+        raise UnreadableTrajectory(
+            f"the file has more than {GREATEST_LINES} lines, and {GREATEST_ROWS} poses can be taken; send it in parts, "
+            "or every n-th pose"
+        )
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -73,7 +80,7 @@ def text_of(data: bytes) -> str:
         raise UnreadableTrajectory(
             f"line {line}: the file is not UTF-8 text; send the trajectory as text", line=line
         ) from error
-    if not text.strip():
+    if not text or text.isspace():
         raise UnreadableTrajectory("the file is empty; send a trajectory with one pose at least")
     return text
 
@@ -86,19 +93,27 @@ def data_lines(text: str) -> list[tuple[int, str]]:
     UnreadableTrajectory
         When there are more than can be taken.
     """
-    numbered = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith(COMMENT)
-    ]
-    if len(numbered) > GREATEST_ROWS:
-        raise UnreadableTrajectory(
-            f"line {numbered[GREATEST_ROWS][0]}: the file has more than {GREATEST_ROWS} poses; send it in parts, "
-            "or every n-th pose",
-            line=numbered[GREATEST_ROWS][0],
-            rows=len(numbered),
-        )
+    numbered: list[tuple[int, str]] = []
+    for number, line in enumerate(_lines(text), start=1):
+        if line.strip() and not line.lstrip().startswith(COMMENT):
+            if len(numbered) == GREATEST_ROWS:
+                raise UnreadableTrajectory(
+                    f"line {number}: the file has more than {GREATEST_ROWS} poses; send it in parts, or every n-th "
+                    "pose",
+                    line=number,
+                )
+            numbered.append((number, line))
     return numbered
+
+
+def _lines(text: str) -> Iterator[str]:
+    """The lines of a text, split some at a time: of a file with too many they never all stand in memory."""
+    start = 0
+    while start < len(text):
+        cut = text.rfind("\n", start, start + PIECE)
+        end = len(text) if cut < 0 else cut + 1
+        yield from text[start:end].splitlines()
+        start = end
 
 
 def read_table(

@@ -16,8 +16,9 @@ import pytest
 from app.trajectories.alignment import AlignmentKind, AlignmentOptions, align
 from app.trajectories.association import AssociationOptions, Pairs, associate
 from app.trajectories.metrics.absolute_pose_error import Part, absolute_pose_errors
+from app.trajectories.metrics.pose_errors import pose_errors_of
 from app.trajectories.metrics.relative_pose_error import Stretch, Unit, relative_pose_errors
-from app.trajectories.metrics.summary import summarise
+from app.trajectories.metrics.summary import Summary, summarise
 from app.trajectories.reading.tum import read_tum
 from app.trajectories.robotics_formats import tum_text
 from app.trajectories.trajectory import Array, Trajectory
@@ -81,19 +82,38 @@ def test_absolute_pose_errors(files: Path, part: Part, kind: AlignmentKind, flag
     statistics, errors = evo("evo_ape", files, "--pose_relation", PARTS[part], *flags)
     ours = absolute_pose_errors(pairs_of(files, AlignmentOptions(kind)), part)
     np.testing.assert_allclose(ours, errors, atol=AGREEMENT)
-    summary = summarise(ours)
-    assert summary.rms == pytest.approx(statistics["rmse"], abs=AGREEMENT)
-    assert summary.std == pytest.approx(statistics["std"], abs=AGREEMENT)
-    assert summary.median == pytest.approx(statistics["median"], abs=AGREEMENT)
-    assert summary.sum_of_squares == pytest.approx(statistics["sse"], abs=AGREEMENT)
+    assert_same(summarise(ours), statistics)
 
 
-@pytest.mark.parametrize(("part", "unit"), [("trans", "metres"), ("full", "frames")])
+def assert_same(summary: Summary, statistics: dict[str, float]) -> None:
+    """All that evo tells of a series."""
+    told = {
+        "rmse": summary.rms,
+        "mean": summary.mean,
+        "median": summary.median,
+        "std": summary.std,
+        "min": summary.least,
+        "max": summary.greatest,
+        "sse": summary.sum_of_squares,
+    }
+    assert told == pytest.approx(statistics, abs=AGREEMENT)
+
+
+@pytest.mark.parametrize(
+    ("part", "unit"), [("trans", "metres"), ("full", "frames"), ("rot_deg", "frames"), ("rot_rad", "metres")]
+)
 def test_relative_pose_errors(files: Path, part: Part, unit: Unit) -> None:
     arguments = "--pose_relation", PARTS[part], "--delta", "2", "--delta_unit", UNITS[unit]
-    _, errors = evo("evo_rpe", files, *arguments, "--pairs_from_reference")
+    statistics, errors = evo("evo_rpe", files, *arguments, "--pairs_from_reference")
     ours = relative_pose_errors(pairs_of(files, AlignmentOptions()), part, Stretch(2.0, unit))
     np.testing.assert_allclose(ours.values, errors, atol=AGREEMENT)
+    assert_same(summarise(ours.values), statistics)
+
+
+def test_what_an_evaluation_tells_is_what_evo_tells(files: Path) -> None:
+    found = pose_errors_of(pairs_of(files, AlignmentOptions()))
+    arguments = "--pose_relation", "angle_deg", "--delta", "1", "--delta_unit", "m", "--pairs_from_reference"
+    assert_same(found.relative["metres"]["rot_deg"], evo("evo_rpe", files, *arguments)[0])
 
 
 def test_all_pairs_of_frames(files: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.trajectories.reading import table
+from app.trajectories.reading import json_values, table
 from app.trajectories.reading.csv_file import read_csv
 from app.trajectories.reading.euroc import read_euroc
 from app.trajectories.reading.evaal import posi_table, read_position_log
@@ -131,7 +131,7 @@ def test_more_poses_than_can_be_taken_are_counted_before_they_are_read(monkeypat
 
 @given(st.binary(max_size=200))
 def test_no_bytes_at_all_bring_another_error(data: bytes) -> None:
-    for read in (read_tum, read_csv, read_euroc, read_position_log, posi_table, kitti):
+    for read in (read_tum, read_csv, read_euroc, read_position_log, posi_table, kitti, read_geojson, read_geopose):
         with suppress(UnreadableTrajectory):
             read(data)
 
@@ -142,3 +142,21 @@ def test_nor_does_any_text(text: str) -> None:
         for content in (text, f"{GOOD}\n{text}", f"{HEADING}\n{text}", f"{IDENTITY}\n{text}"):
             with suppress(UnreadableTrajectory):
                 read(content.encode())
+
+
+def test_a_file_of_far_too_many_lines_is_refused_before_it_is_decoded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table, "GREATEST_LINES", 3)
+    with pytest.raises(UnreadableTrajectory, match="more than 3 lines"):
+        read_tum(b"\xff\n" * 4)
+    monkeypatch.setattr(json_values, "GREATEST_BYTES", 10)
+    with pytest.raises(UnreadableTrajectory, match="JSON is taken up to 10"):
+        read_geojson(feature().encode())
+
+
+def test_lines_are_split_piece_by_piece_without_loss(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "a\nbb\r\n\n# c\nccc\rdddd\n" + "e" * 50 + "\nf"
+    whole = table.data_lines(text)
+    for piece in (1, 2, 5, 7, 1000):
+        monkeypatch.setattr(table, "PIECE", piece)
+        assert table.data_lines(text) == whole
+    assert whole == [(1, "a"), (2, "bb"), (5, "ccc"), (6, "dddd"), (7, "e" * 50), (8, "f")]
