@@ -63,7 +63,7 @@ def locate_room(paths: Sequence[Path], content: MapFile, detector: DetectorName,
         photo = read_photo(path)
         detection = reader.detect(photo.bgr, family_by_name(target_map.code_family))
         try:
-            resection, _ = resect_in_map(photo, detection, content, known)
+            resection = resect_in_map(photo, detection, content, known).resection
             poses.append(EstimatedPose(path.name, resection.site_from_cam, resection.covariance))
         except NotLocated as refusal:
             refused.append((path.name, str(refusal.fields["reason"])))

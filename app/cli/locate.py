@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,13 +70,20 @@ def _locate_all(paths: Sequence[Path], content: MapFile, named: CalibratedCamera
 def _record(path: Path, content: MapFile, known: KnownCameras) -> dict[str, Any]:
     from app.cli.locate_photo import detect_in_map, resect_in_map
     from app.cli.read_photo import read_photo
+    from app.services.best_pose import rolling_shutter_of
 
     photo = read_photo(path)
     try:
-        resection, camera = resect_in_map(photo, detect_in_map(photo, content), content, known)
+        best = resect_in_map(photo, detect_in_map(photo, content), content, known)
     except NotLocated as refusal:
         return {"photo": path.name, "detail": refusal.detail, **refusal.fields}
-    return {"photo": path.name, **_pose(resection), "camera_source": camera.source}
+    shutter = asdict(rolling_shutter_of(best, content.target_map))
+    return {
+        "photo": path.name,
+        **_pose(best.resection),
+        "camera_source": best.camera.source,
+        "rolling_shutter": shutter,
+    }
 
 
 def _pose(resection: Resection) -> dict[str, Any]:

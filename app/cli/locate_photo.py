@@ -5,9 +5,8 @@ from __future__ import annotations
 from app.geometry.camera import CalibratedCamera
 from app.geometry.map_file import MapFile
 from app.geometry.observations import Detection
-from app.photogrammetry.resection import Resection
+from app.services.best_pose import BestPose, resect_best
 from app.services.choose_camera import KnownCameras, choose_cameras
-from app.services.locate_work import resect_best
 from app.storage.records import StoredCamera
 from app.targets.family import family_by_name
 from app.vision.detector import detect
@@ -30,9 +29,7 @@ def detect_in_map(photo: Photo, content: MapFile) -> Detection:
     return detect(photo.bgr, family, known_codes=frozenset(target_map.by_code))
 
 
-def resect_in_map(
-    photo: Photo, detection: Detection, content: MapFile, known: KnownCameras
-) -> tuple[Resection, CalibratedCamera]:
+def resect_in_map(photo: Photo, detection: Detection, content: MapFile, known: KnownCameras) -> BestPose:
     """Pose and camera of a snapshot.
 
     Raises

@@ -10,16 +10,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from app.errors import NotLocated
-from app.geometry.camera import CalibratedCamera
 from app.geometry.observations import Detection, Rejected
 from app.geometry.target_map import TargetMap
 from app.photogrammetry.evidence import gather_evidence
-from app.photogrammetry.resection import Resection, ResectionOptions, resect
+from app.photogrammetry.resection import Resection, ResectionOptions
 from app.photogrammetry.resection_refusals import check_dots
+from app.services.best_pose import BestPose, resect_best, rolling_shutter_of
 from app.services.choose_camera import KnownCameras, choose_cameras
 from app.services.workbench import workbench
 from app.storage.evidence_blob import blob_of_evidence
-from app.storage.snapshots import Located, NotFoundPose, RefusedBlob, Seen, SeenTarget
+from app.storage.snapshots import Focal, Located, NotFoundPose, RefusedBlob, Seen, SeenTarget
 from app.targets.family import family_by_name
 from app.vision.detector import DetectorOptions, detect
 from app.vision.photo import PhotoLimits, load_photo
@@ -91,50 +91,34 @@ def locate_photo(task: LocateTask) -> LocateOutcome:
             # Before the camera: a picture without targets is refused for that, whoever took it.
             known = [target for target in detection.targets if target.code in target_map.by_code]
             check_dots(detection.targets, known, ResectionOptions().min_dots)
-            resection = resect_best(detection, target_map, choose_cameras(photo.header, task.cameras))
+            best = resect_best(detection, target_map, choose_cameras(photo.header, task.cameras))
     except NotLocated as refusal:
         reason, advice = str(refusal.fields["reason"]), str(refusal.fields["advice"])
         return LocateOutcome(NotFoundPose(reason, refusal.detail, advice), _seen(detection, None, watch))
-    evidence = gather_evidence(detection.targets, target_map, resection[0])
-    return LocateOutcome(_located(resection), _seen(detection, resection, watch), blob_of_evidence(evidence))
+    # Held against the map as if the camera had stood still: a movement would look like one of the targets.
+    evidence = gather_evidence(best.moving.observations, target_map, best.resection)
+    return LocateOutcome(
+        _located(best, target_map), _seen(detection, best.resection, watch), blob_of_evidence(evidence)
+    )
 
 
-def resect_best(
-    detection: Detection, target_map: TargetMap, cameras: tuple[CalibratedCamera, ...]
-) -> tuple[Resection, CalibratedCamera]:
-    """The pose under the camera that explains the picture best; the first refusal when none gives a pose.
-
-    Raises
-    ------
-    NotLocated
-    """
-    found: list[tuple[Resection, CalibratedCamera]] = []
-    refusals: list[NotLocated] = []
-    for camera in cameras:
-        try:
-            found.append((resect(detection.targets, target_map, camera), camera))
-        except NotLocated as refusal:
-            refusals.append(refusal)
-    if not found:
-        raise refusals[0]
-    return min(found, key=lambda pair: pair[0].sigma0)
-
-
-def _located(found: tuple[Resection, CalibratedCamera]) -> Located:
-    resection, camera = found
+def _located(best: BestPose, target_map: TargetMap) -> Located:
+    resection, focal = best.resection, best.resection.camera
     return Located(
         site_from_cam=resection.site_from_cam,
         covariance=resection.covariance,
         sigma0=float(resection.sigma0),
         redundancy=int(resection.redundancy),
         rms_residual_px=float(resection.rms_residual_px),
-        camera_source=camera.source,
+        camera_source=best.camera.source,
         ambiguity_ratio=resection.ambiguity_ratio,
+        focal=Focal(focal.camera.fx_px, float(np.sqrt(focal.covariance[0, 0]))),
+        rolling_shutter=rolling_shutter_of(best, target_map),
     )
 
 
-def _seen(detection: Detection, found: tuple[Resection, CalibratedCamera] | None, watch: _Stopwatch) -> Seen:
-    used = {} if found is None else {target.code: target for target in found[0].targets}
+def _seen(detection: Detection, found: Resection | None, watch: _Stopwatch) -> Seen:
+    used = {} if found is None else {target.code: target for target in found.targets}
     targets = []
     for observation in detection.targets:
         use = used.get(observation.code)

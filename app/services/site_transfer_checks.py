@@ -27,7 +27,7 @@ from app.storage.database import Session
 from app.storage.paging import every
 from app.storage.records import GeoAnchor, Site, StoredCamera
 from app.storage.sites import SiteRepository
-from app.storage.snapshots import Located, NotFoundPose, Seen
+from app.storage.snapshots import Located, NotFoundPose, RollingShutter, Seen
 from app.storage.target_maps import TargetMapRepository
 from app.targets.family import CodeFamily, family_by_name
 
@@ -35,6 +35,7 @@ Array = npt.NDArray[np.float64]
 
 PLATE_U_M = (0.001, 1.0)  # as for a site that is made here
 SYMMETRY = 1e-9  # of the greatest member of a covariance, which rounding may leave
+MOTION_COUNT = 6  # velocity and angular velocity
 ANY_JSON = TypeAdapter(dict[str, Any])
 SEEN, IDENTITY, ANCHOR = TypeAdapter(Seen), TypeAdapter(CameraIdentity), TypeAdapter(GeoAnchor)
 
@@ -119,6 +120,17 @@ def _check_outcome(outcome: Located | NotFoundPose) -> None:
     numbers = (outcome.sigma0, outcome.rms_residual_px, outcome.ambiguity_ratio or 0.0)
     _require(type(outcome.redundancy) is int and all(type(value) in (int, float) for value in numbers), "a pose's fit")
     _require(bool(np.isfinite(numbers).all()) and isinstance(outcome.camera_source, str), "a pose's fit")
+    _check_shutter(outcome.rolling_shutter)
+
+
+def _check_shutter(told: RollingShutter | None) -> None:
+    if told is not None:
+        fixed = (told.readout_s, told.position_m_per_m_s, told.position_m_per_rad_s)
+        numbers = (*fixed, *(told.motion or ()), *(told.motion_sigmas or ()))
+        _require(all(type(value) in (int, float) for value in numbers), "a movement")
+        _require(
+            all(part is None or len(part) == MOTION_COUNT for part in (told.motion, told.motion_sigmas)), "a movement"
+        )
 
 
 def _check_covariance(covariance: Array) -> None:

@@ -11,12 +11,14 @@ from app.geometry.pose import Pose
 from app.storage.blobs import array_of_blob, blob_of_array
 from app.storage.models import SnapshotRow
 from app.storage.snapshots import (
+    Focal,
     Heading,
     Located,
     Moment,
     NewSnapshot,
     NotFoundPose,
     RefusedBlob,
+    RollingShutter,
     Seen,
     SeenTarget,
     Snapshot,
@@ -74,6 +76,8 @@ def _outcome_values(outcome: Located | NotFoundPose, seen: dict[str, Any]) -> di
         "rms_residual_px": outcome.rms_residual_px,
         "camera_source": outcome.camera_source,
         "ambiguity_ratio": outcome.ambiguity_ratio,
+        "focal": None if outcome.focal is None else vars(outcome.focal),
+        "rolling_shutter": None if outcome.rolling_shutter is None else vars(outcome.rolling_shutter),
     }
     return {
         "reason": None,
@@ -114,4 +118,17 @@ def _outcome(row: SnapshotRow | Row[Any]) -> Located | NotFoundPose:
         rms_residual_px=row.seen["rms_residual_px"],
         camera_source=row.seen["camera_source"],
         ambiguity_ratio=row.seen["ambiguity_ratio"],
+        focal=_focal(row.seen.get("focal")),
+        rolling_shutter=_rolling_shutter(row.seen.get("rolling_shutter")),
     )
+
+
+def _focal(record: dict[str, float] | None) -> Focal | None:
+    return None if record is None else Focal(**record)
+
+
+def _rolling_shutter(record: dict[str, Any] | None) -> RollingShutter | None:
+    if record is None:
+        return None
+    triples = {name: None if record[name] is None else tuple(record[name]) for name in ("motion", "motion_sigmas")}
+    return RollingShutter(**{**record, **triples})

@@ -77,6 +77,38 @@ class Seen:
 
 
 @dataclass(frozen=True)
+class Focal:
+    """What a snapshot and what was known before together say of the focal length along x."""
+
+    px: float
+    sigma_px: float
+
+
+@dataclass(frozen=True)
+class RollingShutter:
+    """What a movement of the camera did to a pose, or may have done.
+
+    Attributes
+    ----------
+    modelled : bool
+        Whether the sensor's readout was known, and the movement taken out.
+    readout_s : float
+        The readout; a typical one where it is not known.
+    position_m_per_m_s, position_m_per_rad_s : float
+        By how much a movement that is not taken out shifts the position, in the worst direction.
+    motion, motion_sigmas : tuple of 6 floats or None
+        Velocity (m/s) and angular velocity (rad/s), site axes, that were taken out.
+    """
+
+    modelled: bool
+    readout_s: float
+    position_m_per_m_s: float
+    position_m_per_rad_s: float
+    motion: tuple[float, ...] | None = None
+    motion_sigmas: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
 class Located:
     """A pose that was found.
 
@@ -85,6 +117,8 @@ class Located:
     site_from_cam : Pose
     covariance : ndarray of shape (6, 6)
         Position (m, site axes), small rotation (rad, site axes).
+    focal, rolling_shutter
+        None in poses that were kept before they were told.
     """
 
     site_from_cam: Pose
@@ -94,6 +128,8 @@ class Located:
     rms_residual_px: float
     camera_source: str
     ambiguity_ratio: float | None = None
+    focal: Focal | None = None
+    rolling_shutter: RollingShutter | None = None
 
     @property
     def position_sigma_m(self) -> Array:

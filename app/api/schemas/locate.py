@@ -18,7 +18,7 @@ from app.geometry.rotation import photogrammetric_angles_deg
 from app.photogrammetry.camera_prior import camera_from_client
 from app.services.capture_time import ClientClock
 from app.services.locate import LocateRequest
-from app.storage.snapshots import Located, Snapshot
+from app.storage.snapshots import Located, RollingShutter, Snapshot
 
 GREATEST_SIDE_PX = 100_000
 GREATEST_OFFSET_S = 1e10  # an epoch of 1970 instead of none: device clocks may begin anywhere
@@ -112,6 +112,43 @@ class LocateReject(BaseModel):
     code: int | None
 
 
+class FocalAnswer(BaseModel):
+    """The focal length along x, after this snapshot."""
+
+    px: float
+    sigma_px: float
+
+
+class RollingShutterAnswer(BaseModel):
+    """What a movement of the camera did to the pose, or may have done."""
+
+    modelled: bool = Field(description="Whether the readout was known, and the movement taken out.")
+    readout_s: float = Field(description="Of the sensor's rows; a typical one where it is not known.")
+    position_m_per_m_s: float = Field(description="What a movement shifts the position by, if it is not taken out.")
+    position_m_per_rad_s: float
+    velocity_m_s: Vector3 | None = Field(description="That was taken out; site axes.")
+    velocity_sigma_m_s: Vector3 | None
+    angular_velocity_rad_s: Vector3 | None
+    angular_velocity_sigma_rad_s: Vector3 | None
+
+    @classmethod
+    def of(cls, told: RollingShutter | None) -> RollingShutterAnswer | None:
+        """The answer for what was found."""
+        if told is None:
+            return None
+        motion, sigmas = told.motion, told.motion_sigmas
+        return cls(
+            modelled=told.modelled,
+            readout_s=told.readout_s,
+            position_m_per_m_s=told.position_m_per_m_s,
+            position_m_per_rad_s=told.position_m_per_rad_s,
+            velocity_m_s=None if motion is None else list(motion[:3]),
+            velocity_sigma_m_s=None if sigmas is None else list(sigmas[:3]),
+            angular_velocity_rad_s=None if motion is None else list(motion[3:]),
+            angular_velocity_sigma_rad_s=None if sigmas is None else list(sigmas[3:]),
+        )
+
+
 class LocateAnswer(BaseModel):
     """Where a snapshot was taken."""
 
@@ -135,6 +172,8 @@ class LocateAnswer(BaseModel):
     rms_residual_px: float
     camera_source: Literal["survey", "calibration", "client", "exif", "model"]
     ambiguity_ratio: float | None
+    focal: FocalAnswer | None = Field(description="Null in poses that were kept before it was told.")
+    rolling_shutter: RollingShutterAnswer | None = Field(description="Null in poses that were kept before it was told.")
     timing_ms: dict[str, float]
 
     @classmethod
@@ -166,6 +205,8 @@ class LocateAnswer(BaseModel):
                 "rms_residual_px": located.rms_residual_px,
                 "camera_source": located.camera_source,
                 "ambiguity_ratio": located.ambiguity_ratio,
+                "focal": None if located.focal is None else vars(located.focal),
+                "rolling_shutter": RollingShutterAnswer.of(located.rolling_shutter),
                 "timing_ms": dict(snapshot.seen.timing_ms),
             }
         )

@@ -1,0 +1,1 @@
+"""Photographs taken in motion by sensors that are read row by row."""
