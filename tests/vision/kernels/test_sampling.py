@@ -1,0 +1,31 @@
+import numpy as np
+import pytest
+
+from app.vision.kernels.sampling import LIGHT_STEPS, sample_plates
+
+AXIS_U = np.linspace(-6.0, 6.0, 17)
+GREY = (np.arange(255 * LIGHT_STEPS + 1) / LIGHT_STEPS).astype(np.float32)  # light is as coded
+HEIGHT_PX, WIDTH_PX = 90, 120
+
+
+def bilinear(level: np.ndarray, points_px: np.ndarray) -> np.ndarray:
+    """Samples of shape (3, N) at points of shape (N, 2); the border goes on beyond the picture."""
+    x, y = np.clip(points_px, 0.0, [WIDTH_PX - 1.0, HEIGHT_PX - 1.0]).T
+    left, top = x.astype(int), y.astype(int)
+    right, bottom = np.minimum(left + 1, WIDTH_PX - 1), np.minimum(top + 1, HEIGHT_PX - 1)
+    along, down = (x - left)[:, None], (y - top)[:, None]
+    upper = level[top, left] * (1.0 - along) + level[top, right] * along
+    lower = level[bottom, left] * (1.0 - along) + level[bottom, right] * along
+    return np.asarray((upper * (1.0 - down) + lower * down).T)
+
+
+@pytest.mark.parametrize("middle_px", [(60.0, 45.0), (8.0, 45.0), (116.0, 86.0)])
+def test_samples_are_bilinear_inside_and_over_the_border(middle_px: tuple[float, float]) -> None:
+    level = np.random.default_rng(3).integers(0, 256, (HEIGHT_PX, WIDTH_PX, 3), dtype=np.uint8)
+    homography = np.array([[2.5, 0.4, middle_px[0]], [-0.3, 2.2, middle_px[1]], [0.01, -0.02, 1.0]])
+    samples = np.empty((1, 3, len(AXIS_U) ** 2), dtype=np.float32)
+    sample_plates(level, homography[None], np.array([0]), 1.0, AXIS_U, GREY, samples)
+    x, y = (part.ravel() for part in np.meshgrid(AXIS_U, AXIS_U))
+    along, down, depth = homography @ np.stack([x, y, np.ones(len(x))])
+    expected = bilinear(level, np.stack([along / depth, down / depth], axis=1))
+    np.testing.assert_allclose(samples[0], expected, atol=0.5 / LIGHT_STEPS + 0.01)
