@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request, expect, sync_playwright
 
 from app.settings import Settings
 from tests.api.serving import Served, serve
@@ -16,6 +16,7 @@ from tests.web.prebuilt import Room, surveyed_room
 
 PATIENCE_MS = 60_000  # machines that run tests are loaded
 DESK = {"width": 1280, "height": 860}
+expect.set_options(timeout=PATIENCE_MS)
 
 
 @pytest.fixture(scope="session")

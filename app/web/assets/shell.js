@@ -8,7 +8,7 @@ import { KeyForm } from "./ui/key_form.js";
 
 const TOPS = [
   { top: "sites", href: "#/", label: "Sites" },
-  { top: "operator", href: "#/operator", label: "Operator", scope: "admin" },
+  { top: "operator", href: "#/operator", label: "Operator", scopes: ["survey", "analyse"] },
 ];
 
 export function Shell({ linkError }) {
@@ -36,7 +36,7 @@ export function Shell({ linkError }) {
 }
 
 function Top({ found, who, onLeave }) {
-  const shown = TOPS.filter((item) => !item.scope || (who && may(who, item.scope)));
+  const shown = TOPS.filter((item) => !item.scopes || (who && may(who, ...item.scopes)));
   return html`<header class="top">
     <a class="brand" href="#/"><img src="/assets/icon.svg" alt="" />Scattermark</a>
     <nav aria-label="Main">${shown.map((item) => html`<a href=${item.href} aria-current=${found?.route.top === item.top ? "page" : null}>${item.label}</a>`)}</nav>
