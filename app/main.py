@@ -34,6 +34,7 @@ from app.services.smoothing import Smoother
 from app.services.snapshot_keeper import SnapshotKeeper
 from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget, StorageLimits
+from app.services.survey_guide import GuideLimits, SurveyGuide
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
 from app.services.trajectory_import import TrajectoryImporter
@@ -67,7 +68,9 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     bell = TrajectoryBell()
     metrics = _metrics(database, photos, {"locate": locating})
     keeper = SnapshotKeeper(database, photos, budget)
-    intake = PhotoIntake(database, photos, limits, budget)
+    guide_limits = GuideLimits(limits, settings.detect_timeout_s, settings.evaluate_timeout_s)
+    guide = SurveyGuide(database, locating, guide_limits)
+    intake = PhotoIntake(database, photos, limits, budget, guide.notice)
     locate_limits = LocateLimits(limits, settings.locate_timeout_s)
     locator = Locator(database, locating, locate_limits, Afterwards(bell, keeper), metrics)
     gatekeeper = Gatekeeper(database, access_rules(settings))
@@ -75,7 +78,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     try:
         start_fork_server(start_locating.__module__)
         await asyncio.to_thread(locating.start)
-        async with upkeep.running(), locator.running():
+        async with upkeep.running(), locator.running(), guide.running():
             yield Services(
                 database=database,
                 intake=intake,
@@ -91,6 +94,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 importer=TrajectoryImporter(locating, settings.evaluate_timeout_s, settings.data_dir),
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 printer=SheetPrinter(locating, settings.report_timeout_s),
+                guide=guide,
                 map_watch=MapWatch(database, locating, settings.evaluate_timeout_s),
                 readiness=Readiness(
                     Dependencies(database, photos, locating, settings.min_free_bytes, partial(_live_workers, database))

@@ -25,6 +25,7 @@ from app.services.smoothing import Smoother
 from app.services.snapshot_keeper import SnapshotKeeper
 from app.services.snapshot_removal import SnapshotEraser
 from app.services.storage_budget import StorageBudget
+from app.services.survey_guide import SurveyGuide
 from app.services.surveys import PhotoIntake
 from app.services.trajectory_bell import TrajectoryBell
 from app.services.trajectory_import import TrajectoryImporter
@@ -50,6 +51,7 @@ class Services:
     locator: Locator
     reports: ReportWriter
     map_watch: MapWatch
+    guide: SurveyGuide
     printer: SheetPrinter
     bell: TrajectoryBell
     importer: TrajectoryImporter

@@ -7,7 +7,7 @@ import hashlib
 import re
 import time
 import unicodedata
-from collections.abc import AsyncIterable, AsyncIterator, Sequence
+from collections.abc import AsyncIterable, AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import ExitStack, asynccontextmanager
 from dataclasses import dataclass
 
@@ -23,6 +23,8 @@ from app.storage.records import StoredPhoto, Survey
 from app.storage.surveys import SurveyRepository
 from app.vision.photo import PhotoLimits, read_header
 from app.vision.privacy.without_position import without_position
+
+Notice = Callable[[str], Awaitable[None]]
 
 # A name is a label, never a path: letters and digits of any script, and what cameras and people put between them.
 FILENAME = re.compile(r"\w[\w .()+,@~=-]{0,149}")
@@ -112,13 +114,23 @@ class PhotoIntake:
     photos : PhotoStore
     limits : PhotoLimits
     budget : StorageBudget
+    noticed : callable, optional
+        Told the survey that photographs came into.
     """
 
-    def __init__(self, database: Database, photos: PhotoStore, limits: PhotoLimits, budget: StorageBudget) -> None:
+    def __init__(
+        self,
+        database: Database,
+        photos: PhotoStore,
+        limits: PhotoLimits,
+        budget: StorageBudget,
+        noticed: Notice | None = None,
+    ) -> None:
         self._database = database
         self._photos = photos
         self._limits = limits
         self._budget = budget
+        self._noticed = noticed
 
     @property
     def store(self) -> PhotoStore:
@@ -142,7 +154,10 @@ class PhotoIntake:
         await asyncio.to_thread(self._check_survey, survey_id)
         async with self._received(uploads) as arrived:
             await asyncio.to_thread(self._store_new, survey_id, arrived)
-            return await asyncio.to_thread(self._add, survey_id, arrived)
+            added = await asyncio.to_thread(self._add, survey_id, arrived)
+        if self._noticed is not None:
+            await self._noticed(survey_id)
+        return added
 
     @asynccontextmanager
     async def arriving(self, uploads: Sequence[Upload]) -> AsyncIterator[tuple[ArrivedPhoto, ...]]:

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Body, Depends, File, Response, UploadFile
 
 from app.api.dependencies import Paging, PathId, ReadSession, Running, WriteSession
 from app.api.problems import problems
+from app.api.schemas.guidance import GuidanceAnswer
 from app.api.schemas.surveys import (
     BuildBody,
     JobStarted,
@@ -56,6 +57,12 @@ def get_survey(survey_id: PathId, session: ReadSession) -> SurveyAnswer:
 def list_photos(survey_id: PathId, page: Paging, session: ReadSession) -> PhotosAnswer:
     """The photographs of a survey by name."""
     return PhotosAnswer.of(SurveyRepository(session).photo_page(survey_id, page))
+
+
+@router.get("/surveys/{survey_id}/guidance", dependencies=[needs("survey")], responses=problems(404, 422, 503, 504))
+async def get_guidance(survey_id: PathId, services: Running) -> GuidanceAnswer:
+    """What targets lack so far and from where to photograph them next; from now on what comes in is looked at."""
+    return GuidanceAnswer.of(await services.guide.guidance(survey_id))
 
 
 @photo_router.put(
