@@ -103,9 +103,9 @@ class WatchedSite:
         """One after the other, for ever; a picture that is refused for any reason but contradiction tells nothing."""
         while True:
             self._time_s += 1.0
-            observations = self._observe()
+            observations = self.observe()
             try:
-                resection = resect(observations, self.target_map, self._calibrated())
+                resection = resect(observations, self.target_map, self.calibrated)
             except NotLocated as refusal:
                 if refusal.fields["reason"] == "inconsistent":
                     yield WatchedSnapshot(self._time_s, None, None)
@@ -131,14 +131,15 @@ class WatchedSite:
             )
         return TargetMap(tuple(targets), Datum(np.zeros(3), np.zeros((7, 7))), FAMILY, self._options.room.u_m)
 
-    def _calibrated(self) -> CalibratedCamera:
+    @property
+    def calibrated(self) -> CalibratedCamera:
         """What is believed of the camera: the truth's mean, with the scatter between photographs."""
         sigmas = np.array(
             [self._options.focal_share * self._camera.fx_px] * 2 + [0.5, 0.5, 1e-3, 3e-3, 5e-5, 5e-5, 3e-3]
         )
         return CalibratedCamera(self._camera, np.diag(sigmas**2), "survey")
 
-    def _observe(self) -> list[TargetObservation]:
+    def observe(self) -> list[TargetObservation]:
         """What a phone somewhere in the room reads."""
         options, rng = self._options, self._rng
         x_m, y_m, _ = options.room.size_m
