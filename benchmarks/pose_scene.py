@@ -49,7 +49,7 @@ class ViewOptions:
     distance_m: float = 4.0
     incidence_rad: float = 0.7
     dot_sigma_px: float = 0.08
-    plate_sigmas: PlateSigmas = PlateSigmas(1.5, 1.3, 0.85)
+    plate_sigmas: PlateSigmas = PlateSigmas(1.3, 1.2, 0.85)
     own_sigma_m: float = 2e-4
     own_sigma_rad: float = 6e-4
     focal_px: float = 1400.0

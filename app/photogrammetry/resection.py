@@ -18,7 +18,7 @@ from app.geometry.pose import Pose
 from app.geometry.target_map import TargetMap
 from app.photogrammetry.resection_adjustment import AdjustmentOptions
 from app.photogrammetry.resection_ambiguity import AmbiguityOptions, better_side, look_for_mirror
-from app.photogrammetry.resection_consensus import Problem
+from app.photogrammetry.resection_consensus import Problem, movements_chi2
 from app.photogrammetry.resection_doubt import DoubtOptions, doubt_targets
 from app.photogrammetry.resection_equations import POSE_COUNT, CameraPrior, State, linearise, residuals_of
 from app.photogrammetry.resection_input import sight_targets
@@ -168,7 +168,9 @@ def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solutio
     ambiguity = look_for_mirror(problem, consensus.agreeing, consensus.adjusted, options.ambiguity)
     sighted = problem.sighted.take(consensus.agreeing)
     uncertainty = pose_uncertainty(sighted, problem.prior, ambiguity.adjusted, options.uncertainty)
-    doubt = doubt_targets(ambiguity.adjusted, sighted.dot_counts, options.doubt)
+    mirrored = ambiguity.adjusted is not consensus.adjusted
+    chi2 = movements_chi2(ambiguity.adjusted) if mirrored else consensus.chi2[consensus.agreeing]
+    doubt = doubt_targets(ambiguity.adjusted, chi2, sighted.dot_counts, options.doubt)
     return Solution(problem, consensus, ambiguity, uncertainty, doubt)
 
 

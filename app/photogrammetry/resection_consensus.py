@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri
 
-from app.photogrammetry.kernels.contests import leave_each_out
+from app.photogrammetry.kernels.contests import correct_squares
 from app.photogrammetry.resection_adjustment import AdjustedState, AdjustmentOptions, adjust_pose
 from app.photogrammetry.resection_equations import OWN_COUNT, CameraPrior, State, TargetEquations, linearise
 from app.photogrammetry.resection_input import SightedTargets
@@ -78,15 +78,17 @@ class Consensus:
     adjusted : AdjustedState
     agreeing : ndarray of shape (K,), bool
         Who took part in the adjustment.
+    chi2 : ndarray of shape (K,)
+        Of each target's rigid movement against the pose that the others give.
     excess : ndarray of shape (K,)
-        Chi-square of each target's rigid movement against the pose that the others give, over its limit; above 1 it
-        does not fit.
+        The same over its limit; above 1 the target does not fit.
     contested : bool
         Whether another set of targets agrees about as well on another pose.
     """
 
     adjusted: AdjustedState
     agreeing: Mask
+    chi2: Array
     excess: Array
     contested: bool = False
 
@@ -119,7 +121,7 @@ def consent(problem: Problem, targets: Mask, start: State, options: ConsensusOpt
         others = linearise(problem.sighted.take(~targets), problem.prior, adjusted.state)
         chi2[~targets] = _against(others, adjusted.information, +1.0)
     freedom = np.minimum(OWN_COUNT, 2 * problem.sighted.dot_counts)
-    return Consensus(adjusted, targets, chi2 / (scale * chdtri(freedom, options.refuse_probability)))
+    return Consensus(adjusted, targets, chi2, chi2 / (scale * chdtri(freedom, options.refuse_probability)))
 
 
 def settle(problem: Problem, consensus: Consensus, options: ConsensusOptions, scale: float = 1.0) -> Consensus:
@@ -155,8 +157,8 @@ def _against(equations: TargetEquations, information: Array, sign: float) -> Arr
     r^T (S + A P A^T)^-1 r = chi2 - g^T (P^-1 + A^T S^-1 A)^-1 g with g = A^T S^-1 r, by Woodbury's identity. Taking the
     target out of a state that it took part in turns the sign of its information and of the correction.
     """
-    steps, corrections = np.empty(equations.gradient.shape), np.empty(len(equations.chi2))
+    corrections = np.empty(len(equations.chi2))
     shared = (sign, INFORMATION_RIDGE)
-    leave_each_out(information, equations.information, equations.gradient, shared, (steps, corrections))
+    correct_squares(information, equations.information, equations.gradient, shared, corrections)
     chi2 = equations.chi2 - equations.shape_chi2 - sign * corrections
     return np.where(equations.seen_from_front, np.maximum(chi2, 0.0), np.inf)

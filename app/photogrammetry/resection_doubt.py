@@ -18,9 +18,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri
 
-from app.photogrammetry.kernels.contests import leave_each_out
 from app.photogrammetry.resection_adjustment import AdjustedState
-from app.photogrammetry.resection_consensus import INFORMATION_RIDGE
 from app.photogrammetry.resection_equations import OWN_COUNT, POSE_COUNT, STATE_COUNT
 
 Array = npt.NDArray[np.float64]
@@ -74,25 +72,34 @@ class Doubt:
 
 
 def doubt_targets(
-    adjusted: AdjustedState, dot_counts: npt.NDArray[np.intp], options: DoubtOptions | None = None
+    adjusted: AdjustedState, chi2: Array, dot_counts: npt.NDArray[np.intp], options: DoubtOptions | None = None
 ) -> Doubt:
-    """Doubt each of the targets that were adjusted; ``dot_counts`` are their measured dots, shape (K,)."""
-    options = options or DoubtOptions()
-    equations, count = adjusted.equations, len(dot_counts)
-    steps, corrections = np.zeros((count, STATE_COUNT)), np.zeros(count)
-    weights = np.zeros(count)
-    if count >= options.fewest_targets:
-        shared = (-1.0, INFORMATION_RIDGE)
-        leave_each_out(adjusted.information, equations.information, equations.gradient, shared, (steps, corrections))
-        chi2 = equations.chi2 - equations.shape_chi2 + corrections
-        weights = _weights(chi2, np.minimum(OWN_COUNT, 2 * dot_counts), options)
-    step = weights @ steps
-    nobody = (1.0 - weights.sum()) * np.outer(step, step)[:POSE_COUNT, :POSE_COUNT]
-    return Doubt(weights, step, nobody + _spread(adjusted, weights, steps - step))
+    """Doubt each of the targets that were adjusted.
+
+    Parameters
+    ----------
+    adjusted : AdjustedState
+    chi2 : ndarray of shape (K,)
+        Of each target's rigid movement against the pose that the others give (``movements_chi2``).
+    dot_counts : ndarray of shape (K,), int
+        Measured dots of each.
+    options : DoubtOptions, optional
+    """
+    weights = _weights(chi2, np.minimum(OWN_COUNT, 2 * dot_counts), options or DoubtOptions())
+    step, covariance = np.zeros(STATE_COUNT), np.zeros((POSE_COUNT, POSE_COUNT))
+    doubted = np.flatnonzero(weights)
+    if doubted.size:
+        without: Array = np.asarray(np.linalg.inv(adjusted.information - adjusted.equations.information[doubted]))
+        steps = (without @ adjusted.equations.gradient[doubted][..., None])[..., 0]
+        step = weights[doubted] @ steps
+        covariance = _spread(adjusted, weights[doubted], without, steps)
+    return Doubt(weights, step, covariance)
 
 
 def _weights(chi2: Array, freedom: npt.NDArray[np.intp], options: DoubtOptions) -> Array:
     """Probabilities of the hypotheses that one target moved, shape (K,), from chi-squares of their movements."""
+    if len(chi2) < options.fewest_targets:
+        return np.zeros(len(chi2))
     even, least = (chdtri(freedom, chance) for chance in (options.even_probability, options.least_probability))
     log_odds = np.where(chi2 > least, (chi2 - even) / 2.0, -np.inf)
     if len(chi2) <= options.few_targets:
@@ -102,13 +109,14 @@ def _weights(chi2: Array, freedom: npt.NDArray[np.intp], options: DoubtOptions) 
     return np.asarray(odds / (np.exp(-top) + odds.sum()))
 
 
-def _spread(adjusted: AdjustedState, weights: Array, apart: Array) -> Array:
-    """What the hypotheses that leave a target out add to the covariance of the pose."""
-    pose, added = slice(0, POSE_COUNT), np.zeros((POSE_COUNT, POSE_COUNT))
-    if not weights.any():
-        return added
+def _spread(adjusted: AdjustedState, weights: Array, without: Array, steps: Array) -> Array:
+    """What the hypotheses add to the covariance of the pose: the lost targets, and how far apart the poses lie.
+
+    ``without`` and ``steps`` are the covariance (15, 15) and the step (15,) of each hypothesis that leaves one out.
+    """
+    pose = slice(0, POSE_COUNT)
     everyone = np.linalg.inv(adjusted.information)[pose, pose]
-    for target in np.flatnonzero(weights):
-        without = np.linalg.inv(adjusted.information - adjusted.equations.information[target])[pose, pose]
-        added += weights[target] * (without - everyone + np.outer(apart[target][pose], apart[target][pose]))
-    return added
+    steps = steps[:, pose]
+    mean = weights @ steps
+    lost = np.tensordot(weights, without[:, pose, pose] - everyone, axes=1)
+    return np.asarray(lost + (steps.T * weights) @ steps - np.outer(mean, mean))

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, Camera
 from app.geometry.pose import Pose
-from app.photogrammetry.kernels.descent import LEAST_FOCAL_SHARE
+from app.photogrammetry.kernels.descent import LEAST_FOCAL_SHARE, move_state
 from app.photogrammetry.kernels.leftovers import explain_by_movement, measure_residuals
 from app.photogrammetry.kernels.products import COLUMNS, linearise_targets
 from app.photogrammetry.resection_input import SightedTargets
@@ -73,7 +73,9 @@ class State:
 
     def moved(self, step: Array) -> State:
         """The state after a step of shape (15,)."""
-        return State(self.site_from_cam.moved(step[:POSE_COUNT]), self.whitened + step[POSE_COUNT:])
+        rotation, position_m, whitened = np.empty((3, 3)), np.empty(3), np.empty(INTRINSIC_COUNT)
+        move_state((*_place(self.site_from_cam), self.whitened), step, (rotation, position_m, whitened))
+        return State(Pose(rotation, position_m), whitened)
 
 
 @dataclass(frozen=True)

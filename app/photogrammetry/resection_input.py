@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -75,7 +76,7 @@ class SightedTargets:
         """Dots in the site frame, shape (K, 16, 3)."""
         return self.centres_m[:, None] + self.arms_m
 
-    @property
+    @cached_property
     def dot_counts(self) -> npt.NDArray[np.intp]:
         """Measured dots of each target, shape (K,)."""
         return np.count_nonzero(self.measured, axis=1)
@@ -121,7 +122,7 @@ def sight_targets(observations: Sequence[TargetObservation], target_map: TargetM
         whiteners=whiteners,
         measured=measured,
         modes=modes,
-        plate_sigmas=np.array([_three(observation.plate_sigmas) for observation in observations]),
+        plate_sigmas=np.array([_three(seen.plate_sigmas) for seen in observations], dtype=np.float64),
     )
 
 

@@ -68,7 +68,8 @@ class Solution:
     @cached_property
     def state(self) -> State:
         """Pose and camera: the adjusted ones, averaged over doubtful targets."""
-        return self.ambiguity.adjusted.state.moved(self.doubt.step)
+        adjusted = self.ambiguity.adjusted.state
+        return adjusted.moved(self.doubt.step) if self.doubt.weights.any() else adjusted
 
     @property
     def covariance(self) -> Array:

@@ -6,6 +6,7 @@ The sample is a target, not a dot: a target is right or wrong as a whole (moved,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -64,7 +65,7 @@ class Start:
     misses: Array
     vote_limit: float
 
-    @property
+    @cached_property
     def elected(self) -> int:
         """The proposal that most targets agree with."""
         return int(np.argmin((np.minimum(self.misses / self.vote_limit, 1.0) ** 2).sum(axis=1)))

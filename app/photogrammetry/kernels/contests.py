@@ -11,14 +11,11 @@ from app.geometry.kernels.symmetric import solve_symmetric
 Array = npt.NDArray[np.float64]
 
 
-@compiled(
-    "void(float64[:, ::1], float64[:, :, :], float64[:, :], UniTuple(float64, 2), "
-    "Tuple((float64[:, ::1], float64[::1])))"
-)
-def leave_each_out(
-    information: Array, of_targets: Array, gradients: Array, options: tuple[float, float], found: tuple[Array, Array]
+@compiled("void(float64[:, ::1], float64[:, :, :], float64[:, :], UniTuple(float64, 2), float64[::1])")
+def correct_squares(
+    information: Array, of_targets: Array, gradients: Array, options: tuple[float, float], corrections: Array
 ) -> None:
-    """The state's step M^-1 g when it gives way to each target, and by how much that target's squares fall, g M^-1 g.
+    """By how much each target's squares fall when the state gives way to it, shape (K,), written: g M^-1 g.
 
     Parameters
     ----------
@@ -27,22 +24,18 @@ def leave_each_out(
     of_targets, gradients : ndarray of shape (K, N, N), (K, N)
     options : tuple of float
         The sign with which a target's information joins the state's in M, and the ridge on M's diagonal as a part of
-        the state's. With -1 the step is that of leaving the target out.
-    found : tuple of ndarray, written
-        Steps (K, N) and falls (K,).
+        the state's.
     """
     sign, ridge = options
-    steps, falls = found
     count = len(information)
-    joint = np.empty((count, count))
+    joint, moved = np.empty((count, count)), np.empty(count)
     for target in range(len(of_targets)):
-        step = steps[target]
         for row in range(count):
-            step[row] = gradients[target, row]
+            moved[row] = gradients[target, row]
             for column in range(row + 1):
                 joint[row, column] = information[row, column] + sign * of_targets[target, row, column]
             joint[row, row] += ridge * information[row, row]
-        solve_symmetric(joint, step)
-        falls[target] = 0.0
+        solve_symmetric(joint, moved)
+        corrections[target] = 0.0
         for row in range(count):
-            falls[target] += gradients[target, row] * step[row]
+            corrections[target] += gradients[target, row] * moved[row]
