@@ -24,10 +24,13 @@ class TimeUnit:
     name : {"s", "ms", "us", "ns"}
     detected : bool
         The stamps show it, as they count from 1970; else it is the format's own.
+    named : bool
+        The user or the column's title said it, and was believed.
     """
 
     name: UnitName
     detected: bool
+    named: bool = False
 
     def to_seconds(self, stamps: Array) -> Array:
         """Stamps in seconds."""
@@ -36,6 +39,8 @@ class TimeUnit:
     @property
     def sentence(self) -> str:
         """For people."""
+        if self.named:
+            return f"the stamps were read as {self.name}, as was said"
         if self.detected:
             return f"the stamps count {self.name} since 1970"
         return f"the stamps do not count from 1970; they were taken for {self.name}"
@@ -59,7 +64,7 @@ def unit_of_stamps(table: Table, column: str, own: UnitName, asked: UnitName | N
         When the unit changes within the column.
     """
     if asked is not None:
-        return TimeUnit(asked, detected=False)
+        return TimeUnit(asked, detected=False, named=True)
     stamps = table.column(column)
     units = [_unit_since_1970(float(stamp)) for stamp in (stamps.min(), stamps.max())]
     if units[0] == units[1]:
