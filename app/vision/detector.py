@@ -17,7 +17,6 @@ from app.targets.family import CodeFamily
 from app.targets.layout import BASE_CELLS
 from app.vision.centres import (
     CentreOptions,
-    calibrated_covariances,
     locate_dots,
     refine_homographies,
 )
@@ -26,6 +25,7 @@ from app.vision.dots import Blobs, DotOptions, find_red_blobs
 from app.vision.grouping import GroupingOptions, group_base_dots
 from app.vision.hidden_dots import HiddenDotOptions, complete_groups
 from app.vision.homography import image_from_corner_dots
+from app.vision.ink_noise import weigh_by_ink
 from app.vision.inks import InkOptions, read_inks
 from app.vision.judgement import (
     JudgementOptions,
@@ -38,13 +38,14 @@ from app.vision.measurement import PlateFits, SizedPatches, fit_patches
 from app.vision.patches import Pyramid, take_patches
 from app.vision.proposals import ProposalOptions, promising
 from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates
+from app.vision.settling import SettlingOptions, settle_dots, settled_covariances, settled_plates
 from app.vision.template import PatchGrid
 
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
 # Changes whenever the same photograph could give other numbers: stored detections are kept by it.
-DETECTOR_VERSION = "plate-3"
+DETECTOR_VERSION = "plate-4"
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,7 @@ class DetectorOptions:
     hidden_dots: HiddenDotOptions = field(default_factory=HiddenDotOptions)
     proposals: ProposalOptions = field(default_factory=ProposalOptions)
     centres: CentreOptions = field(default_factory=CentreOptions)
+    settling: SettlingOptions = field(default_factory=SettlingOptions)
     inks: InkOptions = field(default_factory=InkOptions)
     judgement: JudgementOptions = field(default_factory=JudgementOptions)
     covering: CoveringOptions = field(default_factory=CoveringOptions)
@@ -153,6 +155,7 @@ def _measure(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Measure
     fits = patches.fit(blur_px)
     inks = read_inks(fits.amplitudes, options.inks)
     dots = locate_dots(fits, inks, size_px, options.centres)
+    dots = settle_dots(bgr, fits, weigh_by_ink(fits, dots), blur_px, options.settling)
     refined = refine_homographies(fits, dots)
     judgement = judge_plates(fits, dots, inks, refined, options.judgement)
     lacking = lacks_red(fits, inks, options.judgement) & dots.inside[:, list(BASE_CELLS)]
@@ -162,7 +165,8 @@ def _measure(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Measure
         covered = covered_base_dots(bgr, fits.select(suspects), refined[suspects], options.covering)
         missing = suspects[(lacking[suspects] & ~covered).any(axis=1)]
         judgement = judgement.refuse(missing, "base-dot-missing")
-    covariances_px2 = calibrated_covariances(dots, refined, judgement.stands, options.centres)
+    settled, allowances = settled_plates(fits, options.settling), (options.centres, options.settling)
+    covariances_px2 = settled_covariances(dots, refined, judgement.stands, settled, allowances)
     return MeasuredPlates(fits, dots, covariances_px2, inks, judgement)
 
 

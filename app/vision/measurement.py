@@ -13,9 +13,11 @@ from app.vision.homography import local_px_per_u
 from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, COEFFICIENTS, measure_power, sort_coefficients
 from app.vision.kernels.projection import solve_plates
 from app.vision.patches import Patches, Pyramid, take_patches
-from app.vision.template import PAPER_RIDGE, PatchGrid, plate_template
+from app.vision.template import PAPER_RIDGE, PATCH_REACH_U, PatchGrid, plate_template
 
 Array = npt.NDArray[np.float64]
+
+PER_U = np.array([1.0, 1.0 / PATCH_REACH_U, 1.0 / PATCH_REACH_U] * 2)  # of the planes' columns
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,8 @@ class PlateFits:
         Root mean square of the samples about each channel's mean: what a fit that explains nothing would leave.
     offset_cofactors : ndarray of shape (P, 16, 2, 2)
         Cofactors of the derivative coefficients.
+    planes : ndarray of shape (P, 3, 6)
+        Per channel, the plate's black (constant, and per u along x and y), then what the paper adds to it (the same).
     """
 
     image_from_plate: Array
@@ -50,6 +54,7 @@ class PlateFits:
     residual_rms: Array
     spread_rms: Array
     offset_cofactors: Array
+    planes: Array
 
     def select(self, chosen: npt.NDArray[np.intp]) -> PlateFits:
         """The fits of some plates."""
@@ -132,4 +137,5 @@ def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
         residual_rms=rms[:, 0],
         spread_rms=rms[:, 1],
         offset_cofactors=cofactors,
+        planes=solved[:, :, BACKGROUND:] * PER_U,
     )

@@ -29,6 +29,7 @@ from app.vision.homography import (
 from app.vision.inks import read_inks
 from app.vision.measurement import PlateFits, SizedPatches
 from app.vision.patches import Pyramid
+from app.vision.settling import SettlingOptions
 from app.vision.template import blurred_disc
 from tests.vision.scenes import (
     AT_ORIGIN,
@@ -52,7 +53,9 @@ PX_PER_U = 4.0
 REACH_PX = 9  # of the window about a dot
 PLATES = 40
 BASE = list(BASE_CELLS)
-NOTHING_UNSEEN = DetectorOptions(centres=CentreOptions(unseen_factor=1.0))
+NOTHING_UNSEEN = DetectorOptions(
+    centres=CentreOptions(unseen_factor=1.0), settling=SettlingOptions(unseen_factor=1.0, floor_px=0.01)
+)
 
 
 def errors_of(
@@ -210,7 +213,7 @@ def scattered() -> tuple[DotCentres, np.ndarray]:
 
 def refined(dots: DotCentres, homographies: np.ndarray) -> np.ndarray:
     empty = np.zeros((len(homographies), 0))
-    return refine_homographies(PlateFits(homographies, local_px_per_u(homographies), *[empty] * 6), dots)
+    return refine_homographies(PlateFits(homographies, local_px_per_u(homographies), *[empty] * 7), dots)
 
 
 OPTIONS = CentreOptions(covariance_floor_px=0.0, covariance_floor_u=0.0)
