@@ -20,6 +20,7 @@ from app.cli.arguments import at_least_one
 from benchmarks.output import mm, print_table, write_json
 from benchmarks.survey_fault_score import FaultScore, score_faults
 from benchmarks.survey_run import BUILDINGS, STAGES, SurveyRun, run_survey
+from benchmarks.survey_ties import Drift, Tie, corridor_drift, extension
 
 DEFAULT_SIZES = (54, 500, 5000)
 BYTES_PER_MB = 1e6
@@ -37,6 +38,13 @@ def main() -> None:
         scores = list(score_faults(range(arguments.seed, arguments.seed + arguments.seeds)))
         _print_faults(scores)
         record["faults"] = scores
+    seeds = range(arguments.seed, arguments.seed + arguments.seeds)
+    if arguments.drift:
+        record["drift"] = drifts = [corridor_drift(seed) for seed in seeds]
+        _print_drifts(drifts)
+    if arguments.extend:
+        record["extend"] = ties = [extension(seed) for seed in seeds]
+        _print_ties(ties)
     if arguments.json is not None:
         write_json(arguments.json, record)
 
@@ -121,6 +129,27 @@ def _print_faults(scores: Sequence[FaultScore]) -> None:
     ]
     headings = ["fault", "put in", "kept out", "named", "false alarms", "lost", "effect, sigma", "worst"]
     print_table("Faults found and named; effect: step of the other targets", headings, rows)
+
+
+def _print_drifts(drifts: Sequence[Drift]) -> None:
+    rows = [[str(one.targets), mm(one.error_m), mm(one.sigma_m), f"{one.nees:.1f}"] for one in drifts]
+    rows.append(["mean", "", "", f"{np.mean([one.nees for one in drifts]):.1f}"])
+    headings = ["targets at the far end", "error mm", "sigma mm", "NEES (3)"]
+    print_table("A corridor of 60 m with control at one end", headings, rows)
+
+
+def _print_ties(ties: Sequence[Tie]) -> None:
+    rows = [
+        [
+            *(str(count) for count in (one.old, one.added, one.moved, one.moved_named, one.moved_falsely)),
+            mm(one.error_m),
+            f"{one.nees:.1f}",
+        ]
+        for one in ties
+    ]
+    rows.append(["mean", *[""] * 5, f"{np.mean([one.nees for one in ties]):.1f}"])
+    headings = ["old targets", "added", "moved", "named", "falsely", "error mm", "NEES (6)"]
+    print_table("A map extended by a second survey", headings, rows)
 
 
 if __name__ == "__main__":

@@ -13,10 +13,11 @@ from app.geometry.target_map import TargetMap
 from app.photogrammetry.survey import PlateSpec, SurveyOptions, SurveyPhoto, SurveyResult, adjust_survey
 from app.services.build_options import BuildOptions
 from app.services.detect_work import DetectSettings
-from app.services.extend_map import anchored_points, anchors_of, extend_map
+from app.services.extend_map import extend_map
 from app.services.job_kinds import reading_options
 from app.services.job_progress import JobProgress
 from app.services.photo_results import photo_results
+from app.services.tied_survey import adjust_tied
 from app.services.workbench import workbench
 from app.services.write_patiently import write_patiently
 from app.storage.database import Database
@@ -53,7 +54,7 @@ class _Material:
     site: Site
     survey: Survey
     photos: tuple[SurveyPhoto, ...]
-    control: tuple[ControlPoint, ...]
+    points: tuple[ControlPoint, ...]
     base: TargetMap | None
 
 
@@ -72,7 +73,10 @@ def adjust_and_publish(task: AdjustTask) -> int:
         material = _gather(session, task)
     plate = PlateSpec(material.site.code_family, material.site.plate_u_m)
     progress = JobProgress(database, task.run)
-    result = adjust_survey(material.photos, material.control, plate, SurveyOptions(), progress.report)
+    if material.base is None:
+        result = adjust_survey(material.photos, material.points, plate, SurveyOptions(), progress.report)
+    else:
+        result = adjust_tied(material.photos, material.base, material.points, progress.report)
     publication = _publication(material, result, task.unreadable)
     return write_patiently(task.run.job_id, lambda: _publish(database, material, publication))
 
@@ -87,8 +91,7 @@ def _gather(session: Session, task: AdjustTask) -> _Material:
     if options.base_version is None:
         return _Material(job, task.run, options, site, survey, photos, points, None)
     base = TargetMapRepository(session).load(job.site_id, options.base_version)
-    control = anchored_points(anchors_of(base, [photo.detection for photo in photos]), points)
-    return _Material(job, task.run, options, site, survey, photos, control, base)
+    return _Material(job, task.run, options, site, survey, photos, points, base)
 
 
 def photos_of_job(session: Session, job: Job, unreadable: tuple[Unreadable, ...]) -> tuple[SurveyPhoto, ...]:

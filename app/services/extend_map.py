@@ -32,6 +32,8 @@ class ExtendOptions:
         As for control points.
     fewest_rays : int
         Photographs that must show an anchor, as for any published target.
+    most_moved_anchors : int
+        Anchors that may turn out to have been moved; each is replaced by another target and costs an adjustment.
     moved_sigmas, moved_m : float
         A target further from its old place than both was moved: chance exceeds five sigmas never, and nothing that
         hangs is moved by less than 5 mm on purpose.
@@ -40,6 +42,7 @@ class ExtendOptions:
     most_anchors: int = 12
     fewest_anchors: int = 3
     fewest_rays: int = 3
+    most_moved_anchors: int = 4
     moved_sigmas: float = 5.0
     moved_m: float = 0.005
 
