@@ -62,7 +62,11 @@ class SelfCalibration:
 
 
 def self_calibrate(
-    problem: BundleProblem, network: Network, border_covariance: Array, target_covariances: Array | None = None
+    problem: BundleProblem,
+    network: Network,
+    border_covariance: Array,
+    target_covariances: Array | None = None,
+    doubt: float = 0.0,
 ) -> tuple[SelfCalibration, ...]:
     """All cameras of an adjusted network.
 
@@ -75,6 +79,9 @@ def self_calibrate(
         Of the shared unknowns, nine rows per camera first.
     target_covariances : ndarray of shape (T, 6, 6), optional
         Of the adjusted targets, where they are not far better known than one photograph could tell.
+    doubt : float
+        Standard deviations of the scatter's own estimate that are added to it: a few photographs hide a scatter as
+        great as what each of them tells.
     """
     shares = _photo_shares(problem, network, target_covariances)
     found = []
@@ -82,7 +89,7 @@ def self_calibrate(
         of_camera = problem.camera_of_photo == camera
         columns = problem.camera_columns(camera)
         adjusted = problem.camera_at(network, camera)
-        scatter = _scatter_of(shares.select(of_camera), adjusted)
+        scatter = _scatter_of(shares.select(of_camera), adjusted, doubt)
         of_network = border_covariance[columns, columns]
         posterior = of_network + _passed_on(shares.select(of_camera), of_network, scatter.covariance(adjusted))
         calibrated = _calibrated(adjusted, posterior, scatter)
@@ -138,7 +145,7 @@ def _photo_shares(problem: BundleProblem, network: Network, target_covariances: 
     return _PhotoShares(reduced[:, :INTRINSIC_COUNT, :INTRINSIC_COUNT], reduced[:, :INTRINSIC_COUNT, -1])
 
 
-def _scatter_of(shares: _PhotoShares, adjusted: Camera) -> CameraScatter:
+def _scatter_of(shares: _PhotoShares, adjusted: Camera, doubt: float) -> CameraScatter:
     """Scatter between a camera's photographs.
 
     Notes
@@ -150,7 +157,7 @@ def _scatter_of(shares: _PhotoShares, adjusted: Camera) -> CameraScatter:
     information = directions.T @ shares.information @ directions
     inverse = np.linalg.pinv(information, hermitian=True)
     offsets = -(inverse @ (shares.gradient @ directions)[..., None])[..., 0]
-    sigma = np.sqrt(_excess_variance(offsets, np.diagonal(inverse, axis1=1, axis2=2)))
+    sigma = np.sqrt(_excess_variance(offsets, np.diagonal(inverse, axis1=1, axis2=2), doubt))
     return CameraScatter(float(sigma[0]), sigma[1:])
 
 
@@ -171,7 +178,7 @@ def _scattered(adjusted: Camera) -> Array:
     return directions
 
 
-def _excess_variance(offsets: Array, variances: Array) -> Array:
+def _excess_variance(offsets: Array, variances: Array, doubt: float) -> Array:
     """Variance of offsets (n, 3) beyond their own variances, shape (3,), never negative."""
     if len(offsets) < FEWEST_PHOTOS:
         return np.zeros(SCATTERED_COUNT)
@@ -179,4 +186,6 @@ def _excess_variance(offsets: Array, variances: Array) -> Array:
     mean = (weights * offsets).sum(axis=0) / weights.sum(axis=0)
     statistic = (weights * (offsets - mean) ** 2).sum(axis=0)
     capacity = weights.sum(axis=0) - (weights**2).sum(axis=0) / weights.sum(axis=0)
-    return np.maximum(0.0, (statistic - (len(offsets) - 1)) / capacity)
+    freedom = len(offsets) - 1
+    # The statistic of offsets that do not scatter is chi-square distributed: its variance is twice its freedom.
+    return np.maximum(0.0, (statistic - freedom) / capacity) + doubt * np.sqrt(2.0 * freedom) / capacity

@@ -30,6 +30,8 @@ Array = npt.NDArray[np.float64]
 
 FEWEST_PHOTOS = 5  # of the published range of 5 to 20; fewer cannot show a scatter, and one bad one outweighs the rest
 
+SCATTER_DOUBT = 1.0  # standard deviations: a dozen photographs do not show a scatter of 0.1 % that moves a pose
+
 # Paper on a wall is not known better than this, whatever an adjustment says: 0.02 mm, and the turn that moves a plate's
 # corner (some 40 mm from its middle) by as much.
 LEAST_OWN_SIGMAS = np.array([2e-5] * 3 + [5e-4] * 3)
@@ -85,7 +87,7 @@ def adjust_camera(oriented: Oriented, target_map: TargetMap) -> AdjustedCamera:
     problem = problem.with_sightings(problem.sightings.correlated(components.sigmas))
     network = adjust_bundle(problem, network, bundle).network
     covariances = pose_covariances(reduced_at(problem, network, bundle.loss), problem.sightings)
-    (found,) = self_calibrate(problem, network, covariances.border, covariances.targets)
+    (found,) = self_calibrate(problem, network, covariances.border, covariances.targets, SCATTER_DOUBT)
     found = replace(found, calibrated=replace(found.calibrated, source="calibration"))
     return AdjustedCamera(problem, network, found, _rms_px(problem, network))
 
