@@ -21,6 +21,10 @@ Pixels = npt.NDArray[np.uint8]
 ROWS = 3  # luma and two chromas
 # Of products, with x, y for the derivatives by the place, s for the share, r for what is missing, and 1:
 SUMS = 14  # xx, xy, yy, xs, ys, ss, x, y, s, 1, rx, ry, rs, r
+# Rows of a dot's pixels: share of the dot's light and its change along x and y, other light, grey values; then factor
+# of the profile and what is missing, for luma and both chromas.
+SHARE, BY_X, BY_Y, LIGHT, GREY, FACTORS = 0, 1, 2, 3, 6, 9
+STRAY_BLURS = 4.0  # farther from an edge than this less than 1e-4 of its light strays
 SINGULAR = 1e-6  # of a product of diagonals: a window that shows no background besides the dot
 AMPLITUDE_MIN, AMPLITUDE_MAX = 0.3, 3.0  # of the plate's fit: beyond, that has seen another dot
 STRAIGHT_BLUR_U = 0.001  # a dot of hardly any blur has an edge as straight as paper
@@ -76,45 +80,42 @@ def _light_around(
                 light[channel] += share * paper
 
 
-@compiled(
-    "void(uint8[::1], float64[:, ::1], UniTuple(float64, 3), Tuple((float64[::1], float64[:, ::1])), float64[:, ::1])"
-)
-def _add_pixel(
-    grey: Pixels, light: Array, profile: tuple[float, float, float], tables: tuple[Array, Array], sums: Array
-) -> None:
-    """One pixel's equations.
+@compiled("void(float64[:, ::1], int64, float64[::1], Tuple((float64[::1], float64[:, ::1])), float64[:, ::1])")
+def _sum_up(pixels: Array, count: int, amplitude: Array, tables: tuple[Array, Array], sums: Array) -> None:
+    """Sums of products over the first pixels of ``pixels`` (15, N), whose last six rows are written on the way.
 
-    ``light`` (2, 3) is the dot's full light and all other light at the pixel, by channel; ``profile`` the dot's share
-    and its change as the dot moves along x and y. In a row all derivatives but the background's are the profile's by
-    one factor.
+    In a row all derivatives but the background's are the profile's (share, and its change as the dot moves along x and
+    y) by one factor.
     """
     greys, ycc_from_bgr = tables
-    share, by_x, by_y = profile
-    luma, first, second = 0.0, 0.0, 0.0
-    luma_off, first_off, second_off = 0.0, 0.0, 0.0
-    for channel in range(3):
-        shown, slope = grey_of(greys, light[1, channel] + light[0, channel] * share)
-        missing, slope = float(grey[channel]) - shown, slope * light[0, channel]
-        luma, luma_off = luma + ycc_from_bgr[0, channel] * slope, luma_off + ycc_from_bgr[0, channel] * missing
-        first, first_off = first + ycc_from_bgr[1, channel] * slope, first_off + ycc_from_bgr[1, channel] * missing
-        second, second_off = second + ycc_from_bgr[2, channel] * slope, second_off + ycc_from_bgr[2, channel] * missing
-    products = (by_x * by_x, by_x * by_y, by_y * by_y, by_x * share, by_y * share, share * share)
-    for line, (factor, off) in enumerate(((luma, luma_off), (first, first_off), (second, second_off))):
-        power, right = factor * factor, factor * off
-        sums[line, 0] += power * products[0]
-        sums[line, 1] += power * products[1]
-        sums[line, 2] += power * products[2]
-        sums[line, 3] += power * products[3]
-        sums[line, 4] += power * products[4]
-        sums[line, 5] += power * products[5]
-        sums[line, 6] += factor * by_x
-        sums[line, 7] += factor * by_y
-        sums[line, 8] += factor * share
-        sums[line, 9] += 1.0
-        sums[line, 10] += right * by_x
-        sums[line, 11] += right * by_y
-        sums[line, 12] += right * share
-        sums[line, 13] += off
+    share, by_x, by_y = pixels[SHARE], pixels[BY_X], pixels[BY_Y]
+    for pixel in range(count):
+        for row in range(FACTORS, FACTORS + 2 * ROWS):
+            pixels[row, pixel] = 0.0
+        for channel in range(3):
+            light = pixels[LIGHT + channel, pixel] + amplitude[channel] * share[pixel]
+            shown, slope = grey_of(greys, light)
+            missing, slope = pixels[GREY + channel, pixel] - shown, slope * amplitude[channel]
+            for line in range(ROWS):
+                pixels[FACTORS + 2 * line, pixel] += ycc_from_bgr[line, channel] * slope
+                pixels[FACTORS + 2 * line + 1, pixel] += ycc_from_bgr[line, channel] * missing
+    for line in range(ROWS):
+        factors, offs = pixels[FACTORS + 2 * line], pixels[FACTORS + 2 * line + 1]
+        xx, xy, yy, xs, ys, ss, x, y, s, rx, ry, rs, r = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for pixel in range(count):
+            along, down, full, off = (
+                factors[pixel] * by_x[pixel],
+                factors[pixel] * by_y[pixel],
+                factors[pixel] * share[pixel],
+                offs[pixel],
+            )
+            xx, xy, yy = xx + along * along, xy + along * down, yy + down * down
+            xs, ys, ss = xs + along * full, ys + down * full, ss + full * full
+            x, y, s = x + along, y + down, s + full
+            rx, ry, rs, r = rx + off * along, ry + off * down, rs + off * full, r + off
+        sums[line, 0], sums[line, 1], sums[line, 2], sums[line, 3], sums[line, 4] = xx, xy, yy, xs, ys
+        sums[line, 5], sums[line, 6], sums[line, 7], sums[line, 8], sums[line, 9] = ss, x, y, s, float(count)
+        sums[line, 10], sums[line, 11], sums[line, 12], sums[line, 13] = rx, ry, rs, r
 
 
 @compiled("void(float64[:, ::1], float64[::1], float64[::1])")
@@ -159,7 +160,7 @@ def settle_dot(
     written: Array,
 ) -> None:
     """One dot's step; ``seen`` are its pixel and its number, ``written`` x, y, and the information xx, xy, yy."""
-    amplitudes, _, blur_px = plate
+    amplitudes, planes, blur_px = plate
     edges, greys, ycc_from_bgr, limits = tables
     centre_x, centre_y, dot = seen[0], seen[1], int(seen[2])
     middle_x, middle_y = image_of(plate_from_image, centre_x, centre_y)
@@ -170,8 +171,11 @@ def settle_dot(
     reach_y = reach_u * np.sqrt(u_by_px[2] ** 2 + u_by_px[0] ** 2) / area
     left, right = max(int(np.ceil(centre_x - reach_x)), 0), min(int(centre_x + reach_x), bgr.shape[1] - 1)
     top, bottom = max(int(np.ceil(centre_y - reach_y)), 0), min(int(centre_y + reach_y), bgr.shape[0] - 1)
-    sums, light = np.zeros((ROWS, SUMS)), np.empty((2, 3))
-    light[0] = amplitudes[dot]
+    # Where neither a neighbour nor the paper reaches, both of which end as far from the dot's middle, there is black.
+    most_px = np.sqrt(u_by_px[0] ** 2 + u_by_px[1] ** 2 + u_by_px[2] ** 2 + u_by_px[3] ** 2)
+    clear_u = DOT_PITCH_U - 1.0 - STRAY_BLURS * blur_px * most_px
+    sums, light, count = np.empty((ROWS, SUMS)), np.empty(3), 0
+    pixels = np.empty((FACTORS + 2 * ROWS, max((right - left + 1) * (bottom - top + 1), 0)))
     for row in range(top, bottom + 1):
         for column in range(left, right + 1):
             x, y = image_of(plate_from_image, float(column), float(row))
@@ -184,8 +188,19 @@ def settle_dot(
             # A dot that moves towards a pixel shortens its distance from it.
             by_x = -by_away * (along * u_by_px[0] + down * u_by_px[2]) / away
             by_y = -by_away * (along * u_by_px[1] + down * u_by_px[3]) / away
-            _light_around((x, y, along, down), dot, u_by_px, plate, (edges, light[1]))
-            _add_pixel(bgr[row, column], light, (share, by_x, by_y), (greys, ycc_from_bgr), sums)
+            if abs(along) > clear_u or abs(down) > clear_u:
+                _light_around((x, y, along, down), dot, u_by_px, plate, (edges, light))
+                for channel in range(3):
+                    pixels[LIGHT + channel, count] = light[channel]
+            else:
+                for channel in range(3):
+                    black = planes[channel, 0] + planes[channel, 1] * x + planes[channel, 2] * y
+                    pixels[LIGHT + channel, count] = black
+            for channel in range(3):
+                pixels[GREY + channel, count] = bgr[row, column, channel]
+            pixels[SHARE, count], pixels[BY_X, count], pixels[BY_Y, count] = share, by_x, by_y
+            count += 1
+    _sum_up(pixels, count, amplitudes[dot], (greys, ycc_from_bgr), sums)
     _solve_place(sums, limits[1], written)
 
 
