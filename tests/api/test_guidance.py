@@ -46,7 +46,7 @@ def test_guidance_follows_the_photographs(served: Served) -> None:
     assert "taken, facing the target" in early["next_shot"]["shot"]["text"]
 
     served.put_control_points(site_id, room_control_points())
-    for name in names[2:8]:
+    for name in names[2:10]:
         served.put_photo(survey_id, name, PHOTOS[name])
     later = guidance(served, survey_id)
     good = [target for target in later["targets"] if target["state"] == "good"]
