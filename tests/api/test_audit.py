@@ -58,7 +58,8 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         return client.post("/sites/import", content=archive)
 
     def removed() -> httpx.Response:
-        assert client.post(f"/jobs/{ids['job_id']}/cancel").is_success  # a site is not removed under a build
+        for job in ("job_id", "calibration_id"):
+            assert client.post(f"/jobs/{ids[job]}/cancel").is_success  # a site is not removed under a build
         return client.delete(f"/sites/{ids['site_id']}")
 
     def activated() -> httpx.Response:
@@ -104,11 +105,7 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/jobs/{job_id}/cancel"): lambda: client.post(f"/jobs/{ids['job_id']}/cancel"),
         ("post", "/jobs/{job_id}/retry"): lambda: client.post(f"/jobs/{ids['job_id']}/retry"),
         ("post", "/sites/{site_id}/maps/{version}/activate"): activated,
-        ("post", "/cameras/calibrations"): lambda: client.post(
-            "/cameras/calibrations",
-            data={"site_id": ids["site_id"]},
-            files=[("images", photo) for photo in photos[:5]],
-        ),
+        ("post", "/cameras/calibrations"): lambda: calibrated(guarded, ids),
         ("post", "/alerts/{alert_id}/acknowledge"): lambda: client.post(
             f"/alerts/{raise_alert(guarded, ids['site_id'])}/acknowledge"
         ),
@@ -137,6 +134,13 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/sites/import"): imported,
         ("delete", "/sites/{site_id}"): removed,
     }
+
+
+def calibrated(guarded: Guarded, ids: dict[str, str]) -> httpx.Response:
+    images = [("images", photo) for photo in list(room_photos("survey").items())[:5]]
+    answer = guarded.client.post("/cameras/calibrations", data={"site_id": ids["site_id"]}, files=images)
+    ids["calibration_id"] = answer.json().get("job_id", "")
+    return answer
 
 
 def kept_samples(guarded: Guarded, live_id: str) -> httpx.Response:
