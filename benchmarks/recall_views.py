@@ -38,7 +38,7 @@ WALL_RGB = (188, 186, 178)
 WALL_BEYOND = 1.4  # of the farthest plate's depth: slanted plates stay before it
 WALL_TEXTURE_PX = 1024
 WALL_SHAPES = 500
-COVER_M_OFF = 0.02
+COVER_M_OFF = 0.2 * U_M  # a note stuck on, a board held against it
 COVERS_RGB = ((120, 120, 120), (92, 62, 46), (214, 206, 190), (40, 60, 110), (180, 150, 120))
 EVEN_LIGHT, DIM_LIGHT = 1.0, 0.04
 
@@ -140,10 +140,12 @@ def _poses(condition: Condition, rng: np.random.Generator) -> list[Pose]:
     camera, size_px = condition.camera, DIAGONAL_U * condition.px_per_u
     columns, rows = (max(int(side_px // size_px), 1) for side_px in (camera.width_px, camera.height_px))
     cells = [(column, row) for column in range(columns) for row in range(rows)]
+    if condition.at_border:
+        cells = [(column, row) for column, row in cells if column in (0, columns - 1)]
     cells = [cells[index] for index in rng.permutation(len(cells))[: condition.plates_max]]
-    places = [((column + 0.5) / columns, (row + 0.5) / rows) for column, row in cells]
-    poses = [_pose(np.array(place) * [camera.width_px, camera.height_px], condition, rng) for place in places]
-    return [_against_border(pose, condition, rng) for pose in poses] if condition.at_border else poses
+    places = [np.array([(column + 0.5) / columns, (row + 0.5) / rows]) for column, row in cells]
+    poses = [_pose(place * [camera.width_px, camera.height_px], condition, rng) for place in places]
+    return [_against_border(pose, condition) for pose in poses] if condition.at_border else poses
 
 
 def _pose(place_px: Floats, condition: Condition, rng: np.random.Generator) -> Pose:
@@ -158,18 +160,16 @@ def _pose(place_px: Floats, condition: Condition, rng: np.random.Generator) -> P
     return Pose(to_sight @ slant @ TOWARDS_CAMERA @ roll, depth_m * ray)
 
 
-def _against_border(pose: Pose, condition: Condition, rng: np.random.Generator) -> Pose:
-    """The plate shifted to a side of the frame until its outermost dot ends a quarter of a dot inside it."""
-    camera = condition.camera
-    axis, far = int(rng.integers(2)), bool(rng.integers(2))
-    size_px, moved = float((camera.width_px, camera.height_px)[axis]), pose
-    for _ in range(4):  # the lens bends lines: converges at once
-        dots_px = camera.project(moved.apply(dots_target_m(U_M)))[:, axis]
+def _against_border(pose: Pose, condition: Condition) -> Pose:
+    """The plate shifted to the left or right end of the frame: its outermost dot ends a quarter of a dot inside."""
+    camera, moved = condition.camera, pose
+    for _ in range(4):  # the lens bends lines, but it converges at once
+        dots_px = camera.project(moved.apply(dots_target_m(U_M)))[:, 0]
         inside_px = 1.25 * condition.px_per_u
-        short_px = size_px - 1.0 - inside_px - dots_px.max() if far else inside_px - dots_px.min()
-        step_m = np.zeros(3)
-        step_m[axis] = short_px * pose.position_m[2] / camera.fx_px
-        moved = Pose(moved.rotation, moved.position_m + step_m)
+        right = moved.position_m[0] > 0.0
+        short_px = camera.width_px - 1.0 - inside_px - dots_px.max() if right else inside_px - dots_px.min()
+        step_m = short_px * moved.position_m[2] / camera.fx_px
+        moved = Pose(moved.rotation, moved.position_m + np.array([step_m, 0.0, 0.0]))
     return moved
 
 

@@ -40,7 +40,7 @@ class InkOptions:
     Attributes
     ----------
     base_red_min : float
-        Red of a base dot over the median of the plate's five: half; below, something covers it.
+        Red of a base dot over the median of the plate's five: what a shadow leaves; below, something covers it.
     base_off_red_max : float
         Green or blue of a base dot over its red: ink has 0.02, over-exposed ink 0.3, skin and wood 0.5 and more.
     white_red : float
@@ -55,15 +55,22 @@ class InkOptions:
     dark_min : float
         Darker than the plate's black by this much: something covers the plate. Sharpening by the phone takes small
         black dots between white ones to -0.6.
+    even_min : float
+        Least over greatest red of the base dots of a plate in even light, or under a gradient that their plane takes
+        up; noise brings plates of 2 to 3 px per u to 0.5. Below, an edge of shadow lies somewhere between them.
+    white_over_green : float
+        Red over green, and green over red, of a dot on such a plate: white has 1, green and red 0.01.
     """
 
-    base_red_min: float = 0.5
+    base_red_min: float = 0.15
     base_off_red_max: float = 0.45
     white_red: float = 0.6
     green_green: float = 0.18
     white_green_min: float = 0.35
     white_max: float = 10.0
     dark_min: float = -1.5
+    even_min: float = 0.4
+    white_over_green: float = 0.5
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from app.targets.layout import BASE_CELLS
+from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.centres import HOMOGRAPHY_PARAMETERS, DotCentres
 from app.vision.homography import PLATE_DOTS_U
 from app.vision.inks import InkReading
@@ -19,7 +19,7 @@ from app.vision.measurement import PlateFits
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-BASE = list(BASE_CELLS)
+BASE, DIGITS = list(BASE_CELLS), list(DIGIT_CELLS)
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,9 @@ class JudgementOptions:
         The same over what the fit left unexplained: above noise.
     uneven_max : float
         Departure of a base dot's red from the plane through all five, over their mean.
+    red_digit : tuple of float
+        An identification dot is red when its red is at least this part of what a base dot would have there, and its
+        green and blue at most this part of its own red: wrong structure.
     background_max : float
         The plate's black over the red amplitude: 0.3 in even light, 1.5 under a reflection.
     explained_min : float
@@ -48,7 +51,8 @@ class JudgementOptions:
 
     red_min: float = 2.0
     red_over_residual: float = 1.5
-    uneven_max: float = 0.5
+    uneven_max: float = 0.8
+    red_digit: tuple[float, float] = (0.6, 0.25)
     background_max: float = 2.0
     explained_min: float = 0.7
     misfit_max_u: float = 0.15
@@ -90,11 +94,13 @@ REASON_TEXT = {
     "bright-background": "there is no black between the dots",
     "not-a-plate": "the picture does not look like a plate",
     "base-dot-missing": "a base dot is missing where the plate is in plain view: wrong structure",
+    "red-digit": "a dot is red that should say a digit: wrong structure",
     "wrong-layout": "the dots do not lie on the plate's grid: wrong structure, or bent paper",
     "too-few-dots": "too few dots could be measured",
     "outside-photo": "a base dot lies outside the photograph",
     "unreadable": "too many identification dots are hidden or unclear",
     "code-not-in-family": "the dots were read, but their code is not in the site's family",
+    "mirror-image": "the dots say a code of the site only when seen in a mirror",
     "duplicate-code": "the same code was read better elsewhere in this photograph",
 }
 
@@ -121,11 +127,12 @@ def judge_plates(
     failed = {
         "outside-photo": dots.inside[:, BASE].sum(axis=1) < options.base_dots_min,
         "not-red": (~lacks_red(fits, inks, options)).sum(axis=1) < options.base_dots_min,
-        "uneven-red": uneven > options.uneven_max * mean_red,
+        "uneven-red": uneven > options.uneven_max * np.maximum(base[..., RED].mean(axis=1), 1.0),
         "bright-background": fits.background.max(axis=1) > options.background_max * mean_red,
         "not-a-plate": ~(fits.explained() > options.explained_min),
         "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min) | (measured_base < options.base_dots_min),
         "wrong-layout": ~(rms_px < allowed_px),
+        "red-digit": (_red_digits(fits, inks, options) & dots.inside[:, DIGITS]).any(axis=1),
     }
     reasons = [""] * len(rms_px)
     for reason, failing in reversed(failed.items()):
@@ -138,6 +145,15 @@ def lacks_red(fits: PlateFits, inks: InkReading, options: JudgementOptions = Jud
     """Which base dots do not show red, or no more of it than noise, shape (P, 5)."""
     weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms)
     result: Mask = ~inks.red_base | (fits.amplitudes[:, BASE, RED] < weak[:, None])
+    return result
+
+
+def _red_digits(fits: PlateFits, inks: InkReading, options: JudgementOptions) -> Mask:
+    """Which identification dots are printed in the base dots' red, shape (P, 11)."""
+    red_min, off_red_max = options.red_digit
+    digits = fits.amplitudes[:, DIGITS]
+    bright = digits[..., RED] > red_min * inks.red_level[:, DIGITS]
+    result: Mask = bright & (digits[..., :RED].max(axis=2) < off_red_max * digits[..., RED])
     return result
 
 

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from app.geometry.observations import Rejected, TargetObservation
 from app.geometry.plate_sigmas import PlateSigmas
-from app.targets.digits import Codes, digits_of_codes
+from app.targets.digits import Codes, Digits, digits_of_codes
 from app.targets.family import UNDECODABLE, CodeFamily
-from app.targets.layout import BASE_CELLS, DIGIT_CELLS, DOT_COUNT
+from app.targets.layout import BASE_CELLS, CELLS_PER_SIDE, DIGIT_CELLS, DOT_COUNT
 from app.vision.centres import DotCentres
 from app.vision.inks import InkReading
 from app.vision.judgement import COLOUR_REASONS, REASON_TEXT, Judgement
@@ -21,6 +21,19 @@ from app.vision.measurement import PlateFits
 
 Strictness = Literal["strict", "normal", "eager"]
 DIGITS = list(DIGIT_CELLS)
+
+
+def digits_in_mirror() -> npt.NDArray[np.intp]:
+    """The digit that each digit is taken for in a mirror, shape (11,).
+
+    The base dots lie alike on both sides of their diagonal: a plate in a mirror looks like one with its rows and
+    columns exchanged, and only its word tells.
+    """
+    exchanged = np.arange(DOT_COUNT).reshape(CELLS_PER_SIDE, CELLS_PER_SIDE).T.ravel()
+    return np.array([DIGITS.index(exchanged[cell]) for cell in DIGITS], dtype=np.intp)
+
+
+DIGITS_IN_MIRROR = digits_in_mirror()
 
 
 @dataclass(frozen=True)
@@ -43,7 +56,7 @@ class ReadingOptions:
     confidence_min: float = 0.35
     sure_min: float = 0.7
     report_explained_min: float = 0.5
-    plate_sigmas: PlateSigmas = PlateSigmas(shift=1.5, linear=1.3, dots=0.85)
+    plate_sigmas: PlateSigmas = PlateSigmas(shift=1.3, linear=1.2, dots=0.85)
 
     def max_corrections(self, strictness: Strictness) -> int:
         """Misread digits that may be mended: none, one (then two or three wrong are still refused), or two."""
@@ -99,6 +112,22 @@ class CodeBook:
             return "unreadable"
         return ""
 
+    def sees_mirror(self, digits: Digits, code: int, corrected: int) -> bool:
+        """Whether a word is rather that of a plate in a mirror: there it is a code as it stands, and here it is not.
+
+        Parameters
+        ----------
+        digits : ndarray of shape (11,)
+            As read, -1 where hidden.
+        code, corrected : int
+            What they were decoded to.
+        """
+        listed = self.known_codes is None or code in self.known_codes
+        if listed and not corrected:
+            return False
+        mirrored = self.family.decode(digits[DIGITS_IN_MIRROR], 0)
+        return mirrored is not None and (self.known_codes is None or mirrored.code in self.known_codes)
+
 
 def read_plates(
     plates: MeasuredPlates, book: CodeBook, options: ReadingOptions = ReadingOptions()
@@ -126,6 +155,8 @@ def read_plates(
             reason = "unreadable"
         if not reason and unsure[plate]:
             reason = "unreadable"
+        if not reason and book.sees_mirror(digits[plate], code, corrected):
+            reason = "mirror-image"
         if not reason and code in targets:
             reason = "duplicate-code"
         if not reason:

@@ -67,7 +67,7 @@ def noisy(measured: Measured) -> Measured:
 def patchy(measured: Measured) -> Measured:
     # No plane takes A and C up and B and D down.
     amplitudes = measured.fits.amplitudes.copy()
-    amplitudes[SPOILT, BASE] *= np.array([1.9, 0.75, 1.9, 0.75, 0.75])[:, None]
+    amplitudes[SPOILT, BASE] *= np.array([3.8, 0.6, 3.8, 0.6, 0.6])[:, None]
     return with_fits(measured, amplitudes=amplitudes)
 
 
@@ -141,13 +141,13 @@ def test_each_fault_is_named_and_refuses_one_plate_alone(
 
 def test_a_faint_base_dot_lacks_red_and_one_alone_refuses_no_plate(measured: Measured) -> None:
     amplitudes = measured.fits.amplitudes.copy()
-    amplitudes[SPOILT, BASE[2]] *= 0.2
+    amplitudes[SPOILT, BASE[2]] *= 0.1
     spoilt = with_fits(measured, amplitudes=amplitudes)
     expected = np.zeros((24, 5), dtype=bool)
     expected[SPOILT, 2] = True
     np.testing.assert_array_equal(lacks_red(spoilt.fits, spoilt.inks), expected)
     assert spoilt.judged().stands.all()
-    amplitudes[SPOILT, BASE[0]] *= 0.2
+    amplitudes[SPOILT, BASE[0]] *= 0.1
     assert with_fits(measured, amplitudes=amplitudes).judged().reasons[SPOILT] == "not-red"
 
 

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from app.compiled import compiled
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+from app.vision.kernels.ordering import middle_of
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -17,15 +18,16 @@ BLACK_DIGIT, GREEN_DIGIT, WHITE_DIGIT, HIDDEN_DIGIT = 0, 1, 2, -1
 BASE_COUNT = len(BASE_CELLS)
 
 
-@compiled("float64(float64[:, ::1], UniTuple(float64, 7), boolean[::1], float64[::1])")
+@compiled("float64(float64[:, ::1], UniTuple(float64, 9), boolean[::1], float64[::1])")
 def _read_base(amplitudes: Array, bounds: tuple[float, ...], red_base: Mask, base_red: Array) -> float:
     """Which base dots are red, and the red at each, that of the plate where something covers it; returns the median."""
     base_red_min, off_red_max = bounds[0], bounds[1]
     for dot in range(BASE_COUNT):
         base_red[dot] = amplitudes[BASE_CELLS[dot], RED]
-    middle = np.median(base_red)
+    middle = middle_of(base_red)
     for dot in range(BASE_COUNT):
         cell = BASE_CELLS[dot]
+        base_red[dot] = amplitudes[cell, RED]  # they were put in order
         off_red = max(amplitudes[cell, BLUE], amplitudes[cell, GREEN])
         pure = off_red <= off_red_max * max(base_red[dot], 1.0)
         red_base[dot] = pure and base_red[dot] > base_red_min * middle
@@ -45,10 +47,10 @@ def _spread_red(base_red: Array, level_from_base: Array, red_level: Array) -> No
         red_level[dot] = max(min(max(level, least), most), 1.0)
 
 
-@compiled("int64(float64, float64, UniTuple(float64, 7))")
+@compiled("int64(float64, float64, UniTuple(float64, 9))")
 def _digit_of(red: float, green: float, bounds: tuple[float, ...]) -> int:
     """The digit of a dot's red and green in units of the plate's red."""
-    _, _, white_red, green_green, white_green_min, white_max, dark_min = bounds
+    _, _, white_red, green_green, white_green_min, white_max, dark_min, _, _ = bounds
     if max(red, green) > white_max or min(red, green) < dark_min:
         return HIDDEN_DIGIT
     if red > white_red:
@@ -56,8 +58,36 @@ def _digit_of(red: float, green: float, bounds: tuple[float, ...]) -> int:
     return GREEN_DIGIT if green > green_green else BLACK_DIGIT
 
 
+@compiled("UniTuple(float64, 2)(float64[::1], boolean[::1])")
+def _least_and_most(base_red: Array, red_base: Mask) -> tuple[float, float]:
+    """Least and greatest red of the base dots that are seen; at least one grey value."""
+    least, most = np.inf, 1.0
+    for dot in range(BASE_COUNT):
+        if red_base[dot]:
+            least, most = min(least, base_red[dot]), max(most, base_red[dot])
+    return max(min(least, most), 1.0), most
+
+
+@compiled("Tuple((int64, float64))(float64, float64, float64, UniTuple(float64, 9))")
+def _digit_in_shadow(red: float, green: float, least: float, bounds: tuple[float, ...]) -> tuple[int, float]:
+    """The digit of a dot on a plate that lies partly in shadow, and its confidence.
+
+    Where the shadow ends between the base dots is not known: any dot may have the least light or the most. Black parts
+    from green where the light is least, and what is brighter is told by its colour instead of its brightness.
+    """
+    green_green, white_over_green = bounds[3], bounds[8]
+    lit = max(red, green) / least
+    from_black = abs(lit - green_green) / green_green
+    if lit <= green_green:
+        return BLACK_DIGIT, from_black
+    from_other = abs(red - white_over_green * green) / max(white_over_green * green, 1e-9)
+    if red > white_over_green * green:
+        return (WHITE_DIGIT if green > white_over_green * red else HIDDEN_DIGIT), min(from_black, from_other)
+    return GREEN_DIGIT, min(from_black, from_other)
+
+
 @compiled(
-    "void(float64[:, :, ::1], float64[:, ::1], UniTuple(float64, 7), Tuple((boolean[:, ::1], int8[:, ::1], "
+    "void(float64[:, :, ::1], float64[:, ::1], UniTuple(float64, 9), Tuple((boolean[:, ::1], int8[:, ::1], "
     "float64[:, ::1], float64[:, ::1])))"
 )
 def read_plates_inks(
@@ -72,21 +102,28 @@ def read_plates_inks(
         Takes the red of the base dots to that of all dots.
     bounds : tuple of float
         The fields of ``InkOptions``, in their order: base_red_min, base_off_red_max, white_red, green_green,
-        white_green_min, white_max, dark_min.
+        white_green_min, white_max, dark_min, even_min, white_over_green.
     reading : tuple of ndarray, written
         Which base dots are red (P, 5), digits (P, 11), their confidence (P, 11), red expected at each dot (P, 16).
     """
     red_base, digits, confidence, red_level = reading
-    white_red, green_green = bounds[2], bounds[3]
+    white_red, green_green, even_min = bounds[2], bounds[3], bounds[7]
     base_red = np.empty(BASE_COUNT)
     for plate in range(len(amplitudes)):
         _read_base(amplitudes[plate], bounds, red_base[plate], base_red)
         _spread_red(base_red, level_from_base, red_level[plate])
+        least, most = _least_and_most(base_red, red_base[plate])
         for place in range(len(DIGIT_CELLS)):
             cell = DIGIT_CELLS[place]
             red = amplitudes[plate, cell, RED] / red_level[plate, cell]
             green = amplitudes[plate, cell, GREEN] / red_level[plate, cell]
             digits[plate, place] = _digit_of(red, green, bounds)
+            if least < even_min * most and digits[plate, place] != HIDDEN_DIGIT:
+                level = red_level[plate, cell]
+                digits[plate, place], confidence[plate, place] = _digit_in_shadow(
+                    red * level, green * level, least, bounds
+                )
+                continue
             from_red = abs(red - white_red) / white_red
             from_green = abs(green - green_green) / green_green
             confidence[plate, place] = from_red if red > white_red else min(from_red, from_green)
