@@ -58,8 +58,7 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         return client.post("/sites/import", content=archive)
 
     def removed() -> httpx.Response:
-        for job in ("job_id", "calibration_id"):
-            assert client.post(f"/jobs/{ids[job]}/cancel").is_success  # a site is not removed under a build
+        cancel_jobs(guarded, ids["job_id"], ids["calibration_id"])
         return client.delete(f"/sites/{ids['site_id']}")
 
     def activated() -> httpx.Response:
@@ -134,6 +133,12 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/sites/import"): imported,
         ("delete", "/sites/{site_id}"): removed,
     }
+
+
+def cancel_jobs(guarded: Guarded, *job_ids: str) -> None:
+    """A site is not removed under a build."""
+    for job_id in job_ids:
+        assert guarded.client.post(f"/jobs/{job_id}/cancel").is_success
 
 
 def calibrated(guarded: Guarded, ids: dict[str, str]) -> httpx.Response:
