@@ -95,8 +95,8 @@ def inconsistent_residuals(sigma0: float, limit: float) -> NotLocated:
         "inconsistent",
         f"The residuals are {sigma0:.1f} times what the dots' accuracy allows (limit {limit:g}), or no pose fits: the "
         "camera's intrinsics do not belong to this photograph, or targets were moved",
-        "hold the phone still or send the sensor's readout_s, calibrate the camera on this site, or survey again what was "
-        "moved",
+        "hold the phone still or send the sensor's readout_s, calibrate the camera on this site, or survey again what "
+        "was moved",
         sigma0=sigma0,
     )
 
