@@ -41,9 +41,9 @@ class SettlingOptions:
     reach_blurs : float
         Farthest pixel from a dot's edge, standard deviations of the blur.
     chroma_blur_px : float
-        What JPEG adds to the blur of chroma, which is stored at half the resolution: the box of four pixels and the
-        triangle that fills in between them have a variance of 1 px^2. Only widens the reach: noise is blurred alike,
-        so that a sharp template is nearly the best filter.
+        What JPEG adds to the blur of chroma, which is stored at half the resolution: 1 px by its box and triangle.
+        Only widens the reach: noise is blurred alike, so that a sharp template is nearly
+        the best filter.
     chroma_weight : float
         Information of a chroma's pixel over luma's.
     step_max_u : float

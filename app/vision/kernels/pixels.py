@@ -176,18 +176,27 @@ def settle_dot(
     clear_u = DOT_PITCH_U - 1.0 - STRAY_BLURS * blur_px * most_px
     sums, light, count = np.empty((ROWS, SUMS)), np.empty(3), 0
     pixels = np.empty((FACTORS + 2 * ROWS, max((right - left + 1) * (bottom - top + 1), 0)))
+    h, most_u = plate_from_image, width * blur_px * most_px
+    nearest_u, farthest_u = max(1.0 - most_u, 0.0), min(1.0 + most_u, reach_u)
     for row in range(top, bottom + 1):
+        x_by_row, y_by_row = h[0, 1] * row + h[0, 2], h[1, 1] * row + h[1, 2]
+        depth_by_row = h[2, 1] * row + h[2, 2]
         for column in range(left, right + 1):
-            x, y = image_of(plate_from_image, float(column), float(row))
+            depth = 1.0 / (h[2, 0] * column + depth_by_row)
+            x, y = (h[0, 0] * column + x_by_row) * depth, (h[1, 0] * column + y_by_row) * depth
             along, down = x - middle_x, y - middle_y
-            away = max(np.sqrt(along * along + down * down), 1e-9)
-            blur_u = _blur_towards(along / away, down / away, u_by_px, blur_px)
-            if away > reach_u or abs(away - 1.0) > width * blur_u:
+            away2 = along * along + down * down
+            if away2 > farthest_u * farthest_u or away2 < nearest_u * nearest_u:
+                continue
+            away = max(np.sqrt(away2), 1e-9)
+            towards_x = (along * u_by_px[0] + down * u_by_px[2]) / away
+            towards_y = (along * u_by_px[1] + down * u_by_px[3]) / away
+            blur_u = blur_px * np.sqrt(towards_x * towards_x + towards_y * towards_y)
+            if abs(away - 1.0) > width * blur_u:
                 continue
             share, by_away = edge_profile(edges, away, blur_u)
             # A dot that moves towards a pixel shortens its distance from it.
-            by_x = -by_away * (along * u_by_px[0] + down * u_by_px[2]) / away
-            by_y = -by_away * (along * u_by_px[1] + down * u_by_px[3]) / away
+            by_x, by_y = -by_away * towards_x, -by_away * towards_y
             if abs(along) > clear_u or abs(down) > clear_u:
                 _light_around((x, y, along, down), dot, u_by_px, plate, (edges, light))
                 for channel in range(3):
