@@ -131,7 +131,7 @@ def _result(outcome: SurveyOutcome, plate: PlateSpec) -> SurveyResult:
     return SurveyResult(
         TargetMap(targets, solution.datum, plate.code_family, plate.u_m),
         cameras,
-        adjusted_photos(solution, outcome.names, survey.identities),
+        adjusted_photos(solution, outcome.names, survey.identities, outcome.codes),
         tuple((photo.name, photo.reason) for photo in unoriented),
         write_report(outcome, calibrations, unoriented, left_out_targets(outcome)),
     )

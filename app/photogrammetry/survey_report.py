@@ -117,7 +117,7 @@ def _camera(identity: CameraIdentity, camera: SelfCalibration) -> CameraRecord:
 
 def _photos(outcome: SurveyOutcome) -> tuple[PhotoRecord, ...]:
     records = []
-    for photo in adjusted_photos(outcome.solution, outcome.names, outcome.survey.identities):
+    for photo in adjusted_photos(outcome.solution, outcome.names, outcome.survey.identities, outcome.codes):
         sigma = np.sqrt(np.diag(photo.covariance))
         pose = photo.site_from_cam
         records.append(

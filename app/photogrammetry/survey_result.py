@@ -38,8 +38,8 @@ class AdjustedPhoto:
         Position (m), small rotation (rad), site axes, datum included.
     rms_px : float
         Root mean square residual per coordinate.
-    target_count : int
-        Targets that took part.
+    codes : tuple of int
+        Of the targets that took part, ascending.
     """
 
     name: str
@@ -47,7 +47,12 @@ class AdjustedPhoto:
     site_from_cam: Pose
     covariance: Array
     rms_px: float
-    target_count: int
+    codes: tuple[int, ...]
+
+    @property
+    def target_count(self) -> int:
+        """How many targets took part."""
+        return len(self.codes)
 
 
 @dataclass(frozen=True)
@@ -79,10 +84,12 @@ def mapped_targets(solution: Solution, codes: Index) -> tuple[MappedTarget, ...]
 
 
 def adjusted_photos(
-    solution: Solution, names: Sequence[str], identities: Sequence[CameraIdentity]
+    solution: Solution, names: Sequence[str], identities: Sequence[CameraIdentity], codes: Index
 ) -> tuple[AdjustedPhoto, ...]:
-    """The oriented photographs, named."""
-    counts = solution.problem.sightings.targets_per_photo()
+    """The oriented photographs, named; codes of shape (T,)."""
+    sightings = solution.problem.sightings
+    starts = np.searchsorted(sightings.photo, np.arange(1, len(names)))  # sightings are ordered by photograph
+    codes_of_photo = np.split(codes[sightings.target], starts)
     return tuple(
         AdjustedPhoto(
             name,
@@ -90,7 +97,7 @@ def adjusted_photos(
             solution.network.photo_pose(photo),
             solution.photo_covariances[photo],
             float(solution.photo_rms_px[photo]),
-            int(counts[photo]),
+            tuple(sorted(codes_of_photo[photo].tolist())),
         )
         for photo, name in enumerate(names)
     )

@@ -11,11 +11,13 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from app.errors import Conflict
+from app.geometry.camera import Camera
 from app.geometry.map_file import MapCamera, MapFile, map_to_json, target_to_json
 from app.geometry.target_map import TargetMap
 from app.services.geodesy import geodetic
 from app.storage.cameras import CameraRepository
-from app.storage.records import MapVersion, Site
+from app.storage.paging import Page, PageRequest
+from app.storage.records import MapVersion, PhotoResult, Site
 from app.storage.sites import SiteRepository
 from app.storage.target_maps import TargetMapRepository
 from app.targets.layout import BASE_CELLS, CELLS_PER_SIDE, DOT_COUNT
@@ -54,6 +56,29 @@ def published_map(session: Session, site_id: str, version: int | None) -> Publis
     stored = CameraRepository(session).of_map(site_id, found)
     cameras = tuple(MapCamera(camera.identity, camera.calibrated) for camera in stored)
     return PublishedMap(SiteRepository(session).get(site_id), found, maps.load(site_id, found), cameras)
+
+
+@dataclass(frozen=True)
+class MappedPhoto:
+    """What became of a photograph of a map, and its camera as the map's survey calibrated it; None without a pose."""
+
+    result: PhotoResult
+    camera: Camera | None
+
+
+def mapped_photos(session: Session, site_id: str, version: int, request: PageRequest) -> Page[MappedPhoto]:
+    """The photographs of a version, by name.
+
+    Raises
+    ------
+    NotFound
+        When the site or the version does not exist.
+    """
+    page = TargetMapRepository(session).photo_page(site_id, version, request)
+    stored = CameraRepository(session).of_map(site_id, version)
+    cameras = {camera.identity.key: camera.calibrated.camera for camera in stored}
+    items = tuple(MappedPhoto(result, cameras.get(result.camera_key or "")) for result in page.items)
+    return Page(items, page.next_cursor)
 
 
 def activate_map(session: Session, site_id: str, version: int) -> MapVersion:

@@ -16,6 +16,7 @@ def photo_results(survey: SurveyResult) -> tuple[PhotoResult, ...]:
             covariance=photo.covariance,
             rms_px=photo.rms_px,
             target_count=photo.target_count,
+            codes=photo.codes,
         )
         for photo in survey.photos
     ]

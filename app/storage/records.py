@@ -138,6 +138,8 @@ class PhotoResult:
         None when the photograph could not be oriented; ``reason`` then says why.
     covariance : ndarray of shape (6, 6) or None
         Of the pose: position (m, site axes), small rotation (rad, site axes).
+    codes : tuple of int or None
+        Of the targets that took part, ascending; None when it is not known, as of maps of earlier releases.
     """
 
     name: str
@@ -147,6 +149,7 @@ class PhotoResult:
     rms_px: float | None = None
     target_count: int | None = None
     reason: str | None = None
+    codes: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -114,6 +114,20 @@ class TargetMapRepository:
         query = select(MapPhotoRow).where(MapPhotoRow.map_id == row.id).order_by(MapPhotoRow.name)
         return tuple(_photo_result(photo_row) for photo_row in self._session.scalars(query))
 
+    def photo_page(self, site_id: str, version: int, request: PageRequest) -> Page[PhotoResult]:
+        """What became of the photographs of a version, page by page, by name.
+
+        Raises
+        ------
+        NotFound
+        """
+        row = self._row(find_site_row(self._session, site_id), version)
+        query = select(MapPhotoRow).where(MapPhotoRow.map_id == row.id).order_by(MapPhotoRow.name)
+        if request.after is not None:
+            query = query.where(MapPhotoRow.name > request.after)
+        rows = self._session.scalars(query.limit(request.limit + 1))
+        return page_of([(photo_row.name, _photo_result(photo_row)) for photo_row in rows], request.limit)
+
     def _row(self, site: SiteRow, version: int | None) -> TargetMapRow:
         wanted = site.active_version if version is None else version
         if wanted is None:
@@ -209,6 +223,7 @@ def _photo_row(map_id: str, photo: PhotoResult) -> MapPhotoRow:
         covariance=None if photo.covariance is None else blob_of_array(photo.covariance),
         rms_px=photo.rms_px,
         target_count=photo.target_count,
+        codes=None if photo.codes is None else list(photo.codes),
         reason=photo.reason,
     )
 
@@ -223,4 +238,5 @@ def _photo_result(row: MapPhotoRow) -> PhotoResult:
         rms_px=row.rms_px,
         target_count=row.target_count,
         reason=row.reason,
+        codes=None if row.codes is None else tuple(row.codes),
     )

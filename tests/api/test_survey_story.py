@@ -106,6 +106,21 @@ def test_a_cancelled_build_publishes_nothing(served: Served, room: SurveyedRoom)
     assert len(after["maps"]) == len(before["maps"]) + 1
 
 
+def test_photographs_of_a_map_say_where_they_were_taken(served: Served, room: SurveyedRoom) -> None:
+    version = room.job["result"]["map_version"]
+    photos = served.client.get(f"/sites/{room.site_id}/maps/{version}/photos").json()["photos"]
+    report = served.client.get(f"/sites/{room.site_id}/report", params={"format": "json", "version": version}).json()
+    assert {photo["name"]: photo["position_m"] for photo in photos if photo["position_m"]} == {
+        photo["name"]: photo["position_m"] for photo in report["photos"]
+    }
+    targets = served.client.get(f"/sites/{room.site_id}/targets", params={"version": version}).json()["targets"]
+    for target in targets:
+        assert target["rays"] == sum(target["code"] in (photo["codes"] or []) for photo in photos)
+    posed = next(photo for photo in photos if photo["position_m"])
+    assert posed["camera"]["width_px"] > posed["camera"]["height_px"] > 0
+    assert_problem(served.client.get(f"/sites/{room.site_id}/maps/99/photos"), 404, "not-found")
+
+
 @pytest.mark.parametrize("call", ["targets", "report"])
 def test_a_site_without_a_map_says_so(served: Served, call: str) -> None:
     problem = assert_problem(served.client.get(f"/sites/{served.new_site()}/{call}"), 409, "conflict")

@@ -57,6 +57,12 @@ def test_exact_photographs_and_control_give_the_truth() -> None:
         assert angle_between_deg(photo.site_from_cam.rotation, station.rotation) < 1e-4
 
 
+def test_photographs_name_the_targets_that_took_part(good: SurveyResult) -> None:
+    for target in good.target_map.targets:
+        assert target.rays == sum(target.code in photo.codes for photo in good.photos)
+    assert [photo.targets for photo in good.report.photos] == [len(photo.codes) for photo in good.photos]
+
+
 def test_a_good_survey_is_as_good_as_it_says(good: SurveyResult) -> None:
     assert len(good.photos) == len(STATIONS)
     datum = good.target_map.datum

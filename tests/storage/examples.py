@@ -58,7 +58,7 @@ def calibrated(source: str = "survey", seed: int = 5) -> CalibratedCamera:
 
 
 def publication(job_id: str, survey_id: str, codes: tuple[int, ...] = CODES) -> Publication:
-    posed = PhotoResult("a.jpg", IDENTITY.key, pose(8), covariance(6, 8), 0.06, 12)
+    posed = PhotoResult("a.jpg", IDENTITY.key, pose(8), covariance(6, 8), 0.06, 3, codes=(101, 389, 420))
     lost = PhotoResult("b.jpg", reason="sees no target that another photograph sees")
     camera = NewCamera(IDENTITY, calibrated(), "phone-1")
     return Publication(target_map(codes), Origin(survey_id, job_id), (camera,), (posed, lost), {"sigma0": 0.97})

@@ -45,19 +45,25 @@ def test_a_map_comes_back_to_the_last_bit(database: Database) -> None:
         assert posed.site_from_cam is not None
         np.testing.assert_array_equal(posed.site_from_cam.rotation, examples.pose(8).rotation)
         np.testing.assert_array_equal(posed.covariance, examples.covariance(6, 8))
-        assert (posed.name, posed.camera_key, posed.rms_px, posed.target_count) == (
-            "a.jpg",
-            examples.IDENTITY.key,
-            0.06,
-            12,
-        )
-        assert (lost.name, lost.site_from_cam, lost.reason) == (
-            "b.jpg",
-            None,
-            "sees no target that another photograph sees",
-        )
+        assert (posed.name, posed.camera_key, posed.rms_px) == ("a.jpg", examples.IDENTITY.key, 0.06)
+        assert (posed.target_count, posed.codes) == (3, (101, 389, 420))
+        assert (lost.name, lost.site_from_cam, lost.codes) == ("b.jpg", None, None)
+        assert lost.reason == "sees no target that another photograph sees"
         (camera,) = CameraRepository(session).of_map(site.site_id, version)
         assert (camera.identity, camera.device_id) == (examples.IDENTITY, "phone-1")
+
+
+def test_photographs_come_page_by_page(database: Database) -> None:
+    site, survey_id = examples.site_with_survey(database)
+    version = publish(database, site.site_id, survey_id, "job-1")
+    with database.reading() as session:
+        maps = TargetMapRepository(session)
+        first = maps.photo_page(site.site_id, version, PageRequest(1))
+        second = maps.photo_page(site.site_id, version, PageRequest(1, first.next_cursor))
+        assert [photo.name for photo in (*first.items, *second.items)] == ["a.jpg", "b.jpg"]
+        assert second.next_cursor is None
+        with pytest.raises(NotFound, match="no target map version 7"):
+            maps.photo_page(site.site_id, 7, PageRequest())
 
 
 def test_versions_count_up_and_one_build_publishes_once(database: Database) -> None:

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Header, Query, Response
 from app.api.dependencies import Paging, PathId, PathVersion, ReadSession, Running, Version, WriteSession
 from app.api.problems import problems
 from app.api.report_answer import MEDIA_TYPES, preferred_format, report_response
-from app.api.schemas.maps import MapAnswer, MapsAnswer, TargetsAnswer
+from app.api.schemas.maps import MapAnswer, MapPhotosAnswer, MapsAnswer, TargetsAnswer
 from app.api.security import may_read, needs
 from app.services import maps
 from app.services.report_work import ReportFormat, ReportTask
@@ -68,6 +68,16 @@ async def get_report(
 def list_maps(site_id: PathId, page: Paging, session: ReadSession) -> MapsAnswer:
     """The versions of a site's target map."""
     return MapsAnswer.of(TargetMapRepository(session).versions(site_id, page))
+
+
+@router.get(
+    "/sites/{site_id}/maps/{version}/photos",
+    dependencies=[needs("survey", "analyse")],
+    responses=problems(404, 422),
+)
+def list_map_photos(site_id: PathId, version: PathVersion, page: Paging, session: ReadSession) -> MapPhotosAnswer:
+    """Where the photographs of a version were taken and which targets they show, by name."""
+    return MapPhotosAnswer.of(maps.mapped_photos(session, site_id, version, page))
 
 
 @router.post("/sites/{site_id}/maps/{version}/activate", dependencies=[needs("survey")], responses=problems(404, 422))

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import BaseModel, Field
 
 from app.api.schemas.common import Listing, Quaternion, Vector3, time_of
+from app.geometry.camera import Camera
+from app.services.maps import MappedPhoto
 from app.storage.paging import Page
 from app.storage.records import MapVersion
 from app.targets.layout import DOT_COUNT
@@ -46,9 +49,7 @@ class TargetsAnswer(BaseModel):
     plate_u_m: float
     targets: list[TargetAnswer]
     datum: DatumAnswer
-    cameras: list[dict[str, Any]] = Field(
-        description="Calibrated with it: identity, intrinsics, covariance, source."
-    )
+    cameras: list[dict[str, Any]] = Field(description="Calibrated with it: identity, intrinsics, covariance, source.")
 
 
 class MapAnswer(BaseModel):
@@ -83,3 +84,61 @@ class MapsAnswer(Listing):
     def of(cls, page: Page[MapVersion]) -> MapsAnswer:
         """The answer for a page."""
         return cls(maps=[MapAnswer.of(version) for version in page.items], next_cursor=page.next_cursor)
+
+
+class FrameAnswer(BaseModel):
+    """What of a camera says where it looks: size of its pictures, focal lengths and principal point, px."""
+
+    width_px: int
+    height_px: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+    @classmethod
+    def of(cls, camera: Camera) -> FrameAnswer:
+        """The answer for a camera."""
+        fx, fy, cx, cy = camera.intrinsics[:4].tolist()
+        return cls(width_px=camera.width_px, height_px=camera.height_px, fx=fx, fy=fy, cx=cx, cy=cy)
+
+
+class MapPhotoAnswer(BaseModel):
+    """What became of a photograph in a map's adjustment: its pose in the site frame, or why it has none."""
+
+    name: str
+    camera: FrameAnswer | None = Field(description="As the survey calibrated it; null without a pose.")
+    position_m: Vector3 | None
+    orientation_xyzw: Quaternion | None
+    position_sigma_m: Annotated[Vector3 | None, Field(description="The datum's part included.")]
+    rms_px: float | None
+    codes: list[int] | None = Field(
+        description="Of the targets that took part; null without a pose, and for maps of earlier releases."
+    )
+    reason: str | None = Field(description="Why the photograph has no pose.")
+
+    @classmethod
+    def of(cls, photo: MappedPhoto) -> MapPhotoAnswer:
+        """The answer for a photograph."""
+        result, pose = photo.result, photo.result.site_from_cam
+        return cls(
+            name=result.name,
+            camera=None if photo.camera is None else FrameAnswer.of(photo.camera),
+            position_m=None if pose is None else pose.position_m.tolist(),
+            orientation_xyzw=None if pose is None else pose.orientation_xyzw.tolist(),
+            position_sigma_m=None if result.covariance is None else np.sqrt(np.diag(result.covariance)[:3]).tolist(),
+            rms_px=result.rms_px,
+            codes=None if result.codes is None else list(result.codes),
+            reason=result.reason,
+        )
+
+
+class MapPhotosAnswer(Listing):
+    """A page of the photographs of a map version."""
+
+    photos: list[MapPhotoAnswer]
+
+    @classmethod
+    def of(cls, page: Page[MappedPhoto]) -> MapPhotosAnswer:
+        """The answer for a page."""
+        return cls(photos=[MapPhotoAnswer.of(photo) for photo in page.items], next_cursor=page.next_cursor)

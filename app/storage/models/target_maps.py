@@ -5,7 +5,7 @@ from __future__ import annotations
 from sqlalchemy import ForeignKey, Index, String, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
-from app.storage.models.base import Base, Blob, Id, Json, Long, Number, OfMap, OfSite, Short
+from app.storage.models.base import Base, Blob, Id, Json, JsonList, Long, Number, OfMap, OfSite, Short
 
 
 class TargetMapRow(Base):
@@ -56,6 +56,7 @@ class MapPhotoRow(Base):
     covariance: Mapped[Blob | None]
     rms_px: Mapped[Number | None]
     target_count: Mapped[int | None]
+    codes: Mapped[JsonList | None]  # of the targets that took part; maps of earlier releases do not tell
     reason: Mapped[Long | None]
 
 
