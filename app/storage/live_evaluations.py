@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -11,9 +11,11 @@ from sqlalchemy import bindparam, select, update
 from sqlalchemy.orm import Session
 
 from app.errors import Conflict, NotFound
+from app.storage.belonging import within
 from app.storage.ids import new_id
 from app.storage.live_records import LiveEvaluation, LiveOptions, LivePair, Sample
 from app.storage.models import LiveEvaluationRow, LiveSampleRow
+from app.storage.paging import Page, PageRequest, page_of
 from app.storage.upsert import insert_what_is_absent
 
 WAITING, PAIRED, MISSED = "waiting", "paired", "missed"
@@ -51,6 +53,18 @@ class LiveEvaluationRepository:
         NotFound
         """
         return _stored(self._row(live_id, lock=lock))
+
+    def page(
+        self, site_id: str | None, request: PageRequest, site_ids: Collection[str] | None = None
+    ) -> Page[LiveEvaluation]:
+        """Live evaluations in the order they were opened; of one site when named, of these sites alone if given."""
+        query = select(LiveEvaluationRow).where(within(LiveEvaluationRow.site_id, site_ids))
+        if site_id is not None:
+            query = query.where(LiveEvaluationRow.site_id == site_id)
+        if request.after is not None:
+            query = query.where(LiveEvaluationRow.id > request.after)
+        rows = self._session.scalars(query.order_by(LiveEvaluationRow.id).limit(request.limit + 1)).all()
+        return page_of([(row.id, _stored(row)) for row in rows], request.limit)
 
     def add_samples(self, live_id: str, samples: Sequence[Sample]) -> int:
         """Add those samples whose moment has none yet; how many they were.

@@ -272,3 +272,15 @@ def test_its_samples_are_evaluated_with_every_option_afterwards(served: Served) 
     assert metrics["accuracy"]["spatial_m"]["rms"] == pytest.approx(0.0, abs=1e-6)
     assert metrics["availability"]["latency_s"]["count"] == 12
     assert answer.json()["systems"][0]["name"] == "uwb, first walk"
+
+
+def test_live_evaluations_are_listed_page_by_page(served: Served) -> None:
+    live = Live(served)
+    body = {"reference_id": live.reference_id, "name": "uwb"}
+    second = served.client.post("/evaluations/live", json=body).json()
+    query = {"site_id": live.site_id, "limit": 1}
+    page = served.client.get("/evaluations/live", params=query).json()
+    (first,) = page["live_evaluations"]
+    assert live.path.endswith(first["live_id"])
+    rest = served.client.get("/evaluations/live", params={**query, "cursor": page["next_cursor"]}).json()
+    assert (rest["live_evaluations"], rest["next_cursor"]) == ([second], None)

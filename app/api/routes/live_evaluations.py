@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 from fastapi import APIRouter
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from app.api.dependencies import PathId, Running, WriteSession
+from app.api.dependencies import Id, Paging, PathId, ReadSession, Running, WriteSession
 from app.api.live_queries import LiveStream, Opened
 from app.api.problems import problems
 from app.api.schemas.live_evaluations import (
@@ -16,12 +16,13 @@ from app.api.schemas.live_evaluations import (
     ErrorEvent,
     KeptSamplesBody,
     LiveAnswer,
+    LivesAnswer,
     LiveStateAnswer,
     SamplesAnswer,
     SamplesBody,
 )
 from app.api.schemas.trajectory_import import ImportAnswer
-from app.api.security import needs
+from app.api.security import Analysing, needs
 from app.services.live_evaluation import close_live, take_samples
 from app.services.live_events import error_so_far, watch_live
 from app.services.live_samples import keep_samples
@@ -35,6 +36,14 @@ def open_live_evaluation(live: Opened) -> LiveAnswer:
     """Begin to compare a running system with a trajectory that is being located."""
     answer: LiveAnswer = LiveAnswer.of(live)
     return answer
+
+
+@router.get("/evaluations/live", responses=problems(404, 422))
+def list_live_evaluations(
+    page: Paging, session: ReadSession, principal: Analysing, site_id: Id | None = None
+) -> LivesAnswer:
+    """Live evaluations in the order they were opened."""
+    return LivesAnswer.of(LiveEvaluationRepository(session).page(site_id, page, principal.site_ids))
 
 
 @router.get("/evaluations/live/{live_id}", dependencies=[needs("analyse")], responses=problems(404, 422))

@@ -8,13 +8,14 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
 
 from app.api.dependencies import Id
-from app.api.schemas.common import WHOLE, Body, Finite, Vector3, time_of
+from app.api.schemas.common import WHOLE, Body, Finite, Listing, Vector3, time_of
 from app.api.schemas.evaluations import GREATEST_GAP_S, GREATEST_S, Metres
 from app.api.schemas.texts import Text
 from app.services.capture_time import LATEST_S
 from app.services.live_events import LiveNews
 from app.services.live_tally import Tally, distances_m, latency_of
 from app.storage.live_records import LiveEvaluation, LiveOptions, LivePair, Sample
+from app.storage.paging import Page
 from app.trajectories.alignment import LEAST_PAIRS, Alignment
 
 MOST_SAMPLES = 1000  # of one request
@@ -139,6 +140,17 @@ class LiveAnswer(BaseModel):
             missed=live.missed_count,
             **more,
         )
+
+
+class LivesAnswer(Listing):
+    """A page of live evaluations."""
+
+    live_evaluations: list[LiveAnswer] = Field(description="As they were left at the last look at each.")
+
+    @classmethod
+    def of(cls, page: Page[LiveEvaluation]) -> LivesAnswer:
+        """The answer for a page."""
+        return cls(live_evaluations=[LiveAnswer.of(item) for item in page.items], next_cursor=page.next_cursor)
 
 
 class KeptSamplesBody(Body):
