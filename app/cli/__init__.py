@@ -29,6 +29,7 @@ from app.cli import (
     restore,
     serve,
     sheets,
+    simulate,
     worker,
 )
 from app.errors import ScattermarkError
@@ -44,6 +45,7 @@ COMMANDS = {
     "locate": locate,
     "evaluate": evaluate,
     "sheets": sheets,
+    "simulate": simulate,
     "keys": keys,
     "migrate": migrate,
     "purge": purge,

@@ -13,7 +13,7 @@ LINES_PER_STAGE = 5  # without a terminal: enough to see that it lives, few enou
 class Report(Protocol):
     """Where work says how far it is."""
 
-    def __call__(self, stage: str, done: int, total: int) -> None:
+    def __call__(self, stage: str, done: int, total: int, /) -> None:
         """``done`` of ``total`` pieces of a stage; a total of 0 means that nobody knows."""
 
 

@@ -60,7 +60,7 @@ class ImagingOptions:
     focal_mm : float
         Real focal length that EXIF tells; the 35 mm equivalent follows from the camera.
     captured_at : str
-        EXIF's time.
+        EXIF's time; a fraction of the second may follow.
     write_exif : bool
         False for a file that says nothing of its camera.
     """

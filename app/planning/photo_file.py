@@ -49,9 +49,12 @@ def _exif_bytes(identity: CameraIdentity, captured_at: str) -> bytes:
     exif[ExifTags.Base.Make] = identity.make
     exif[ExifTags.Base.Model] = identity.model
     exif[ExifTags.Base.Orientation] = UPRIGHT
-    exif[ExifTags.Base.DateTime] = captured_at
+    second, _, fraction = captured_at.partition(".")
+    exif[ExifTags.Base.DateTime] = second
     camera_block = exif.get_ifd(ExifTags.IFD.Exif)
-    camera_block[ExifTags.Base.DateTimeOriginal] = captured_at
+    camera_block[ExifTags.Base.DateTimeOriginal] = second
+    if fraction:
+        camera_block[ExifTags.Base.SubsecTimeOriginal] = fraction
     camera_block[ExifTags.Base.ExifImageWidth] = identity.width_px
     camera_block[ExifTags.Base.ExifImageHeight] = identity.height_px
     if identity.focal_mm is not None:

@@ -34,8 +34,8 @@ def build_room(options: RoomOptions, family: CodeFamily, seed: int) -> Scene:
     """
     rng = np.random.default_rng(seed)
     walls = _walls(options.size_m)
-    panels = [_plastered(wall, WALL_RGB, rng) for wall in walls]
-    panels += [_plastered(floor, colour, rng) for floor, colour in _floor_and_ceiling(options.size_m)]
+    panels = [plastered(wall, WALL_RGB, rng) for wall in walls]
+    panels += [plastered(floor, colour, rng) for floor, colour in _floor_and_ceiling(options.size_m)]
     if options.furniture:
         panels += [_poster(walls[index], rng) for index in (0, 2)] + _furniture(options.size_m)
     codes = rng.choice(family.codes, options.targets + options.wrong_targets, replace=False)
@@ -67,8 +67,8 @@ def _floor_and_ceiling(size_m: tuple[float, float, float]) -> list[tuple[Panel, 
     return [(floor, FLOOR_RGB), (ceiling, CEILING_RGB)]
 
 
-def _plastered(panel: Panel, rgb: tuple[int, int, int], rng: np.random.Generator) -> Panel:
-    """The panel with smooth noise of a few per cent over its colour."""
+def plastered(panel: Panel, rgb: tuple[int, int, int], rng: np.random.Generator) -> Panel:
+    """The panel with smooth noise of a few per cent over its colour, as plaster has it."""
     noise = np.zeros((TEXTURE_PX, TEXTURE_PX, 3), dtype=np.float32)
     for cells in TEXTURE_CELLS:
         grid = rng.normal(0.0, 0.03, (cells, cells, 1)) + rng.normal(0.0, 0.008, (cells, cells, 3))
