@@ -126,7 +126,9 @@ class CodeBook:
         if listed and not corrected:
             return False
         mirrored = self.family.decode(digits[DIGITS_IN_MIRROR], 0)
-        return mirrored is not None and (self.known_codes is None or mirrored.code in self.known_codes)
+        if mirrored is None:
+            return False
+        return bool(corrected) or (self.known_codes is not None and mirrored.code in self.known_codes)
 
 
 def read_plates(
