@@ -1,4 +1,4 @@
-"""Bundle adjustment: Levenberg-Marquardt over photographs, targets, cameras and the print scale.
+"""Bundle adjustment: Levenberg-Marquardt over photographs, targets, cameras and the print scales.
 
 Sources: Sensors 2019, eq. 8 and 17 (least squares, iterated); Triggs et al., Bundle adjustment: a modern synthesis,
 2000, section 6 (Schur complement); Nocedal and Wright, Numerical Optimization, chapter 10 (damping).
@@ -15,7 +15,8 @@ import numpy.typing as npt
 from app.photogrammetry.bundle_normals import NormalEquations, normal_equations, prior_cost, squared_residuals
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.elimination_tree import EliminationNode
-from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network, NetworkStep
+from app.photogrammetry.network import POSE_COUNT, Network, NetworkStep
+from app.photogrammetry.prints import PRINT_COUNT
 from app.photogrammetry.reduced_system import Unknowns, photo_graph_tree, reduce_normals
 from app.photogrammetry.robust import RobustLoss
 
@@ -156,8 +157,8 @@ def _as_step(problem: BundleProblem, solution: Unknowns) -> NetworkStep:
     return NetworkStep(
         solution.photos.reshape(-1, POSE_COUNT),
         solution.targets.reshape(-1, POSE_COUNT),
-        border[:-PRINT_COUNT].reshape(len(problem.cameras), -1),
-        border[-PRINT_COUNT:],
+        border[: problem.print_columns().start].reshape(len(problem.cameras), -1),
+        border[problem.print_columns()].reshape(-1, PRINT_COUNT)[problem.prints.batch],
     )
 
 

@@ -1,7 +1,7 @@
 """Normal equations of a bundle: linear in the sightings, no matrix over observations.
 
 The unknowns fall into photographs (6 each), targets (6 each) and a border shared by many: nine intrinsics per camera
-and the print scale. Photographs and targets meet in one 6 x 6 block per sighting and in no other.
+and the print scale of each batch. Photographs and targets meet in one 6 x 6 block per sighting and in no other.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from app.photogrammetry.collinearity import (
     linearise,
     whitened_residuals,
 )
-from app.photogrammetry.equations import PointEquations, PoseEquations
-from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network
+from app.photogrammetry.equations import PoseEquations
+from app.photogrammetry.network import POSE_COUNT, Network
+from app.photogrammetry.prints import PRINT_COUNT
 from app.photogrammetry.robust import RobustLoss
 
 Array = npt.NDArray[np.float64]
@@ -68,8 +69,9 @@ def prior_cost(problem: BundleProblem, network: Network) -> float:
     for known, intrinsics in zip(problem.cameras, network.intrinsics, strict=True):
         off = intrinsics - known.camera.intrinsics
         cost += float(off @ np.linalg.solve(known.covariance, off))
-    if problem.print_sigma is not None:
-        cost += float((((network.print_scale - 1.0) / problem.print_sigma) ** 2).sum())
+    prints = problem.prints
+    off = prints.off(network.print_scale)[~prints.held] / prints.sigma[~prints.held, None]
+    cost += float((off**2).sum())
     if problem.photo_poses is not None:
         cost += _pose_cost(problem.photo_poses, network.photo_rotations, network.photo_positions_m)
     if problem.target_poses is not None:
@@ -115,18 +117,29 @@ def _add_chunk(
     rows = (equations.rows * np.sqrt(weight)[..., None, None]).reshape(len(part), -1, COLUMN_COUNT + 1)
     products = np.swapaxes(rows, -1, -2) @ rows  # (m, 18, 18): all of J'WJ and, in the last column, J'Wr
 
-    columns = np.r_[problem.camera_columns(camera), slice(problem.border_count - PRINT_COUNT, problem.border_count)]
-    shared = np.r_[CAMERA_COLUMNS, PRINT_COLUMNS]
-    by_target, by_target_shared = products[:, :POSE_COUNT, :POSE_COUNT], products[:, :POSE_COUNT, shared]
+    by_target = products[:, :POSE_COUNT, :POSE_COUNT]
     turned = np.swapaxes(equations.target_step_from_photo_step, -1, -2)
     photo_target = turned @ by_target
     normals.photo_target[chunk] = photo_target
     _add_at(normals.photos, part.photo, photo_target @ equations.target_step_from_photo_step)
-    _add_at(normals.photo_border, part.photo, turned @ by_target_shared, columns)
     _add_at(normals.photo_gradient, part.photo, (turned @ products[:, :POSE_COUNT, -1:])[..., 0])
     _add_at(normals.targets, part.target, by_target)
-    _add_at(normals.target_border, part.target, by_target_shared, columns)
     _add_at(normals.target_gradient, part.target, products[:, :POSE_COUNT, -1])
+    batch_of_row = problem.prints.batch[part.target]
+    for batch in np.unique(batch_of_row):
+        rows_of = batch_of_row == batch
+        columns = np.r_[problem.camera_columns(camera), problem.print_columns(int(batch))]
+        of_batch = part.photo[rows_of], part.target[rows_of], columns
+        _add_shared(normals, products[rows_of], turned[rows_of], of_batch)
+
+
+def _add_shared(normals: NormalEquations, products: Array, turned: Array, place: tuple[Index, Index, Index]) -> None:
+    """Add what sightings of one camera and one print batch say of these, in their columns of the border."""
+    photo, target, columns = place
+    shared = np.r_[CAMERA_COLUMNS, PRINT_COLUMNS]
+    by_target_shared = products[:, :POSE_COUNT, shared]
+    _add_at(normals.photo_border, photo, turned @ by_target_shared, columns)
+    _add_at(normals.target_border, target, by_target_shared, columns)
     summed = products.sum(axis=0)
     normals.border[np.ix_(columns, columns)] += summed[np.ix_(shared, shared)]
     normals.border_gradient[columns] += summed[shared, -1]
@@ -149,9 +162,9 @@ def _add_priors(normals: NormalEquations, problem: BundleProblem, network: Netwo
         normals.border[columns, columns] += information
         off = network.intrinsics[camera] - known.camera.intrinsics
         normals.border_gradient[columns] += information @ off
-    if problem.print_sigma is not None:
-        normals.border[range(-PRINT_COUNT, 0), range(-PRINT_COUNT, 0)] += problem.print_sigma**-2
-        normals.border_gradient[-PRINT_COUNT:] += (network.print_scale - 1.0) / problem.print_sigma**2
+    printed, information = problem.print_columns(), np.repeat(problem.prints.sigma**-2, PRINT_COUNT)
+    normals.border[printed, printed] += np.diag(information)
+    normals.border_gradient[printed] += information * problem.prints.off(network.print_scale).ravel()
     if problem.photo_poses is not None:
         poses = network.photo_rotations, network.photo_positions_m
         _add_poses((normals.photos, normals.photo_gradient), problem.photo_poses, *poses)
@@ -159,7 +172,7 @@ def _add_priors(normals: NormalEquations, problem: BundleProblem, network: Netwo
         poses = network.target_rotations, network.target_positions_m
         _add_poses((normals.targets, normals.target_gradient), problem.target_poses, *poses)
     if problem.points is not None:
-        _add_points(normals, problem.points, network)
+        _add_points(normals, problem, network)
 
 
 def _add_poses(blocks: tuple[Array, Array], known: PoseEquations, rotations: Array, positions_m: Array) -> None:
@@ -170,13 +183,15 @@ def _add_poses(blocks: tuple[Array, Array], known: PoseEquations, rotations: Arr
     _add_at(blocks[1], known.index, (weighted @ residuals[..., None])[..., 0])
 
 
-def _add_points(normals: NormalEquations, points: PointEquations, network: Network) -> None:
+def _add_points(normals: NormalEquations, problem: BundleProblem, network: Network) -> None:
+    points = problem.points
+    assert points is not None
     rows = np.concatenate([points.jacobian(network), points.residuals(network)[..., None]], axis=-1)
     products = np.swapaxes(rows, -1, -2) @ rows
-    printed = np.arange(-PRINT_COUNT, 0) + len(normals.border)
     _add_at(normals.targets, points.target, products[:, :POSE_COUNT, :POSE_COUNT])
-    _add_at(normals.target_border, points.target, products[:, :POSE_COUNT, PRINT_COLUMNS], printed)
     _add_at(normals.target_gradient, points.target, products[:, :POSE_COUNT, -1])
-    summed = products.sum(axis=0)
-    normals.border[np.ix_(printed, printed)] += summed[PRINT_COLUMNS, PRINT_COLUMNS]
-    normals.border_gradient[printed] += summed[PRINT_COLUMNS, -1]
+    for point, target in enumerate(points.target):
+        printed = problem.print_columns(int(problem.prints.batch[target]))
+        normals.target_border[target, :, printed] += products[point, :POSE_COUNT, PRINT_COLUMNS]
+        normals.border[printed, printed] += products[point, PRINT_COLUMNS, PRINT_COLUMNS]
+        normals.border_gradient[printed] += products[point, PRINT_COLUMNS, -1]

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, Camera
 from app.photogrammetry.equations import PointEquations, PoseEquations
-from app.photogrammetry.network import PRINT_COUNT, Network
+from app.photogrammetry.network import Network
+from app.photogrammetry.prints import PRINT_COUNT, Prints
 from app.photogrammetry.sightings import Sightings
 from app.targets.layout import dot_centres_u
 
@@ -35,8 +36,8 @@ class BundleProblem:
         What is known of the C cameras in advance.
     u_m : float
         Nominal module of the plates.
-    print_sigma : float or None
-        Standard deviation of each print scale about 1; None holds the print as it is.
+    prints : Prints
+        In which batches the targets were printed.
     photo_poses : PoseEquations or None
         Known poses of photographs: the one that holds a free network.
     target_poses : PoseEquations or None
@@ -49,7 +50,7 @@ class BundleProblem:
     camera_of_photo: Index
     cameras: tuple[CalibratedCamera, ...]
     u_m: float
-    print_sigma: float | None = None
+    prints: Prints
     photo_poses: PoseEquations | None = None
     target_poses: PoseEquations | None = None
     points: PointEquations | None = None
@@ -57,6 +58,8 @@ class BundleProblem:
     def __post_init__(self) -> None:
         if len(self.camera_of_photo) != self.sightings.photo_count or (np.diff(self.camera_of_photo) < 0).any():
             raise ValueError("each photograph needs a camera, and photographs are ordered by camera")
+        if len(self.prints.batch) != self.sightings.target_count:
+            raise ValueError("each target is of a print batch")
 
     @property
     def plane_m(self) -> Array:
@@ -65,19 +68,25 @@ class BundleProblem:
 
     @property
     def border_count(self) -> int:
-        """Unknowns shared by many photographs: nine per camera, then the print scale."""
-        return INTRINSIC_COUNT * len(self.cameras) + PRINT_COUNT
+        """Unknowns shared by many photographs: nine per camera, then the print scales of the batches."""
+        return INTRINSIC_COUNT * len(self.cameras) + PRINT_COUNT * self.prints.count
 
     @property
     def free_border(self) -> Mask:
-        """Which of the shared unknowns are adjusted: all, but the print scale when it is held."""
-        free = np.ones(self.border_count, dtype=np.bool_)
-        free[-PRINT_COUNT:] = self.print_sigma is not None
-        return free
+        """Which of the shared unknowns are adjusted: all, but the print scales that are held."""
+        cameras = np.ones(INTRINSIC_COUNT * len(self.cameras), dtype=np.bool_)
+        return np.concatenate([cameras, self.prints.free])
 
     def camera_columns(self, camera: int) -> slice:
         """Place of one camera's intrinsics among the shared unknowns."""
         return slice(INTRINSIC_COUNT * camera, INTRINSIC_COUNT * (camera + 1))
+
+    def print_columns(self, batch: int | None = None) -> slice:
+        """Place of one batch's print scale, or of all batches', among the shared unknowns."""
+        first = INTRINSIC_COUNT * len(self.cameras)
+        if batch is None:
+            return slice(first, self.border_count)
+        return slice(first + PRINT_COUNT * batch, first + PRINT_COUNT * (batch + 1))
 
     def chunks(self) -> Iterator[tuple[int, slice]]:
         """Runs of sightings of one camera, short enough for the processor's cache: camera, slice."""

@@ -24,6 +24,7 @@ Index = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
 
 WORST_SHARE = 0.5  # of the worst residual around: what is false bends its neighbourhood, which is not false for that
+FEWEST_OF_BATCH = 3  # targets of a print batch that give a free network its scale
 FEWEST_SECOND_RAYS = 2  # sightings that must agree on a second place: one alone agrees with any
 
 
@@ -133,7 +134,9 @@ def held_part(growth: Growth) -> tuple[Part, BundleProblem]:
     """What stands of a growth, held at its first photograph."""
     part = standing(growth, growth.options.fewest_agreeing)
     network = growth.network.among(part.photos, part.targets)
-    return part, replace(part_problem(growth.problem, part), photo_poses=held_photo(network, 0))
+    problem = part_problem(growth.problem, part)
+    prints = problem.prints.held_at(problem.prints.best_known(FEWEST_OF_BATCH))
+    return part, replace(problem, prints=prints, photo_poses=held_photo(network, 0))
 
 
 def _without_false(state: _State, part: Part, problem: BundleProblem, options: QualityOptions) -> _State:

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from app.geometry.camera import INTRINSIC_COUNT, Camera
 from app.geometry.rotation import skew
-from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network
+from app.photogrammetry.network import POSE_COUNT, Network
+from app.photogrammetry.prints import PRINT_COUNT
 from app.photogrammetry.sightings import Sightings
 from app.targets.layout import DOT_COUNT
 
@@ -97,7 +98,7 @@ def _dots_in_camera(network: Network, sightings: Sightings, plane_m: Array) -> t
     shape (M, 3), frame axes; dots in the camera frame, shape (M, 16, 3).
     """
     plate_axes = network.target_rotations[sightings.target][..., :PRINT_COUNT]
-    arms_m = (plane_m * network.print_scale) @ np.swapaxes(plate_axes, -1, -2)
+    arms_m = (plane_m * network.print_scale[sightings.target][:, None]) @ np.swapaxes(plate_axes, -1, -2)
     offsets_m = network.target_positions_m[sightings.target] - network.photo_positions_m[sightings.photo]
     return arms_m, offsets_m, (arms_m + offsets_m[:, None]) @ network.photo_rotations[sightings.photo]
 

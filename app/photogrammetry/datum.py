@@ -14,8 +14,6 @@ from app.photogrammetry.network import Network
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-PRINT_SIGMA = 0.002  # of a printed length, relative (pipeline.md, section 3)
-
 # Plates whose planes share an axis to this share of the scatter of their normals: walls of at least two directions.
 # Plates on one wall share two axes, and their own upright edges must tell which is z.
 LEAST_NORMAL_SCATTER = 0.05
@@ -58,11 +56,11 @@ def assume_datum(network: Network, defining: Mask) -> AssumedDatum:
     return AssumedDatum(Similarity(1.0, rotation, -rotation @ centres_m.mean(axis=0)), tilt, from_edges)
 
 
-def assumed_covariance(datum: Datum, tilt_sigma_rad: float) -> Datum:
+def assumed_covariance(datum: Datum, tilt_sigma_rad: float, print_sigma: float) -> Datum:
     """The datum of an assumed map: origin and azimuth are exact by convention, scale and upright are not.
 
-    A plate's printed length is the mean of its two directions.
+    ``print_sigma`` is relative, of a length in either direction; a plate's printed length is the mean of both.
     """
-    scale_variance = datum.covariance[6, 6] + PRINT_SIGMA**2 / 2.0
+    scale_variance = datum.covariance[6, 6] + print_sigma**2 / 2.0
     covariance = np.diag([0.0, 0.0, 0.0, tilt_sigma_rad**2, tilt_sigma_rad**2, 0.0, scale_variance])
     return replace(datum, covariance=covariance, assumed_scale=True, assumed_orientation=True)

@@ -79,7 +79,7 @@ class PointEquations:
     def arms_m(self, network: Network) -> Array:
         """The points from their target's centre, shape (K, 3), frame axes, print scale included."""
         plate_axes = network.target_rotations[self.target][..., :2]
-        return np.asarray((plate_axes @ (self.plane_m * network.print_scale)[..., None])[..., 0])
+        return np.asarray((plate_axes @ (self.plane_m * network.print_scale[self.target])[..., None])[..., 0])
 
     def computed_m(self, network: Network) -> Array:
         """Where the network puts the points, shape (K, 3)."""

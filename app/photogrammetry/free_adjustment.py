@@ -53,6 +53,7 @@ def part_problem(problem: BundleProblem, part: Part) -> BundleProblem:
         problem,
         sightings=problem.sightings.among(part.photos, part.targets),
         camera_of_photo=problem.camera_of_photo[part.photos],
+        prints=problem.prints.among(part.targets),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.photogrammetry.bundle_problem import BundleProblem
-from app.photogrammetry.network import PRINT_COUNT, Network
+from app.photogrammetry.network import Network
 from app.photogrammetry.robust import RobustLoss
 
 Array = npt.NDArray[np.float64]
@@ -155,7 +155,7 @@ def seeded(problem: BundleProblem, photo: int, options: GrowthOptions) -> Growth
         np.tile(np.eye(3), (targets, 1, 1)),
         np.zeros((targets, 3)),
         np.array([known.camera.intrinsics for known in problem.cameras]),
-        np.ones(PRINT_COUNT),
+        problem.prints.of_targets,
     )
     nothing = np.zeros(targets, dtype=np.bool_)
     oriented = np.arange(photos) == photo

@@ -1,4 +1,4 @@
-"""A network: where the photographs and targets of a survey stand, with the cameras and the print scale.
+"""A network: where the photographs and targets of a survey stand, with the cameras and the print scales.
 
 It is the state of the adjustment, in one frame: ``model`` for the free network, ``site`` once control has fixed it.
 """
@@ -14,18 +14,18 @@ from app.geometry.camera import INTRINSIC_COUNT
 from app.geometry.pose import Pose
 from app.geometry.rotation import exp_rotation
 from app.geometry.similarity import Similarity
+from app.photogrammetry.prints import PRINT_COUNT
 from app.targets.layout import dot_centres_u
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.intp]
 
 POSE_COUNT = 6  # unknowns of a pose: position (m), small rotation (rad)
-PRINT_COUNT = 2  # unknowns of the print scale: along and across the paper
 
 
 @dataclass(frozen=True)
 class NetworkStep:
-    """Small changes of a network: photographs (P, 6), targets (T, 6), intrinsics (C, 9), print scale (2,)."""
+    """Small changes of a network: photographs (P, 6), targets (T, 6), intrinsics (C, 9), print scales (T, 2)."""
 
     photos: Array
     targets: Array
@@ -35,7 +35,7 @@ class NetworkStep:
 
 @dataclass(frozen=True)
 class Network:
-    """Poses of P photographs and T targets in one frame, C cameras, one print scale.
+    """Poses of P photographs and T targets in one frame, C cameras, the targets' print scales.
 
     Attributes
     ----------
@@ -45,8 +45,8 @@ class Network:
         ``frame_from_target``.
     intrinsics : ndarray of shape (C, 9)
         Of each camera, OpenCV's order.
-    print_scale : ndarray of shape (2,)
-        Printed length over nominal length, along the plate's x and y.
+    print_scale : ndarray of shape (T, 2)
+        Printed length over nominal length of each target, along the plate's x and y.
     """
 
     photo_rotations: Array
@@ -61,8 +61,10 @@ class Network:
             raise ValueError("each photograph needs a rotation and a position")
         if self.target_rotations.shape != (len(self.target_positions_m), 3, 3):
             raise ValueError("each target needs a rotation and a position")
-        if self.intrinsics.shape[1:] != (INTRINSIC_COUNT,) or self.print_scale.shape != (PRINT_COUNT,):
-            raise ValueError("a network needs nine intrinsics per camera and two print scales")
+        if self.intrinsics.shape[1:] != (INTRINSIC_COUNT,):
+            raise ValueError("a network needs nine intrinsics per camera")
+        if self.print_scale.shape != (len(self.target_positions_m), PRINT_COUNT):
+            raise ValueError("each target needs two print scales")
 
     def moved(self, step: NetworkStep) -> Network:
         """The network after a small step; rotations act from the left, in the frame's axes."""
@@ -83,6 +85,7 @@ class Network:
             photo_positions_m=self.photo_positions_m[photos],
             target_rotations=self.target_rotations[targets],
             target_positions_m=self.target_positions_m[targets],
+            print_scale=self.print_scale[targets],
         )
 
     def with_part(self, part: Network, photos: Index, targets: Index) -> Network:
@@ -92,11 +95,12 @@ class Network:
             "photo_positions_m": (photos, part.photo_positions_m),
             "target_rotations": (targets, part.target_rotations),
             "target_positions_m": (targets, part.target_positions_m),
+            "print_scale": (targets, part.print_scale),
         }
         arrays = {name: getattr(self, name).copy() for name in replaced}
         for name, (index, values) in replaced.items():
             arrays[name][index] = values
-        return replace(self, intrinsics=part.intrinsics, print_scale=part.print_scale, **arrays)
+        return replace(self, intrinsics=part.intrinsics, **arrays)
 
     def transformed(self, target_from_source: Similarity) -> Network:
         """The network in another frame; the plates' size changes with its scale."""
@@ -120,7 +124,7 @@ class Network:
 
     def dots_m(self, u_m: float) -> Array:
         """All dots in the frame, shape (T, 16, 3), print scale included."""
-        plane_m = dot_centres_u() * u_m * self.print_scale
+        plane_m = dot_centres_u() * u_m * self.print_scale[:, None]
         return plane_m @ np.swapaxes(self.target_rotations[..., :2], -1, -2) + self.target_positions_m[:, None]
 
 

@@ -65,7 +65,7 @@ def _starts(growth: Growth, seen: SightedPoses) -> _Starts:
     centres_m = (positions_m[voters][:, :, None] - shift).reshape(-1, 3)
     from_cam = from_cam.reshape(-1, 3, 3)
 
-    dots_m = _corners(growth, rotations, positions_m)
+    dots_m = _corners(growth, seen.sightings.target, (rotations, positions_m))
     cam_m = (dots_m - centres_m[:, None, None, None]) @ from_cam[:, None, None]
     misfits = misfit(cam_m, seen.normalised[:, None, CORNER_CELLS])
     cost = votes(misfits.min(axis=-1), growth.tolerance).sum(axis=-1)
@@ -76,9 +76,10 @@ def _starts(growth: Growth, seen: SightedPoses) -> _Starts:
     return _Starts(from_cam[pair], centres_m[pair], misfits[pair].argmin(axis=-1))
 
 
-def _corners(growth: Growth, rotations: Array, positions_m: Array) -> Array:
-    """Corner dots of hypotheses (n, 2) in the model frame, shape (n, 2, 4, 3)."""
-    plane_m = (growth.problem.plane_m * growth.network.print_scale)[CORNER_CELLS]
+def _corners(growth: Growth, targets: Index, poses: tuple[Array, Array]) -> Array:
+    """Corner dots of hypotheses (n, 2) of targets (n,) in the model frame, shape (n, 2, 4, 3)."""
+    rotations, positions_m = poses
+    plane_m = growth.problem.plane_m[CORNER_CELLS] * growth.network.print_scale[targets][:, None, None]
     return np.asarray(plane_m @ np.swapaxes(rotations[..., :2], -1, -2) + positions_m[..., None, :])
 
 
@@ -103,6 +104,7 @@ def _trial(growth: Growth, known: Sightings, starts: list[_Starts]) -> tuple[Bun
         growth.problem,
         sightings=sightings,
         camera_of_photo=np.repeat(growth.problem.camera_of_photo[photos], STARTS),
+        prints=growth.problem.prints.among(known.target[rows]),
         photo_poses=None,
     )
     network = replace(
@@ -111,6 +113,7 @@ def _trial(growth: Growth, known: Sightings, starts: list[_Starts]) -> tuple[Bun
         photo_positions_m=np.concatenate([start.positions_m for start in starts]),
         target_rotations=rotations[every, chosen],
         target_positions_m=positions_m[every, chosen],
+        print_scale=growth.network.print_scale[known.target[rows]],
     )
     return problem, network
 

@@ -83,7 +83,8 @@ def _elected(growth: Growth, seen: Sightings, proposals: SightedPoses) -> Mask:
     view = order[np.arange(len(proposal)) - np.repeat(np.cumsum(counts) - counts - borders[0], counts)]
 
     rotations, positions_m = _in_model(growth, proposals)
-    plane_m = (growth.problem.plane_m * growth.network.print_scale)[CORNER_CELLS]
+    scale = growth.network.print_scale[proposals.sightings.target]
+    plane_m = growth.problem.plane_m[CORNER_CELLS] * scale[:, None, None]
     dots_m = plane_m @ np.swapaxes(rotations[..., :2], -1, -2) + positions_m[..., None, :]
     photo = seen.photo[view]
     offsets_m = dots_m[proposal] - growth.network.photo_positions_m[photo][:, None, None]
@@ -104,7 +105,7 @@ def _trial(growth: Growth, seen: Sightings, poses: tuple[Index, Array, Array]) -
     place = np.full(seen.target_count, -1)
     place[targets] = np.arange(len(targets))
     seen = seen.select(place[seen.target] >= 0)
-    rows = np.repeat(np.arange(len(seen)), MIRRORS)
+    rows, images = np.repeat(np.arange(len(seen)), MIRRORS), np.repeat(targets, MIRRORS)
     sightings = replace(
         seen,
         photo=seen.photo[rows],
@@ -117,8 +118,10 @@ def _trial(growth: Growth, seen: Sightings, poses: tuple[Index, Array, Array]) -
         growth.network,
         target_rotations=rotations.reshape(-1, 3, 3),
         target_positions_m=positions_m.reshape(-1, 3),
+        print_scale=growth.network.print_scale[images],
     )
-    return replace(growth.problem, sightings=sightings, photo_poses=None), network
+    prints = growth.problem.prints.among(images)
+    return replace(growth.problem, sightings=sightings, prints=prints, photo_poses=None), network
 
 
 def _decided(growth: Growth, targets: Index, problem: BundleProblem, network: Network) -> Growth:

@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.collinearity import PRINT_COLUMNS, linearise
-from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network
+from app.photogrammetry.network import POSE_COUNT, Network
+from app.photogrammetry.prints import PRINT_COUNT
 from app.photogrammetry.robust import RobustLoss
 
 Array = npt.NDArray[np.float64]

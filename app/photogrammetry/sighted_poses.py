@@ -69,7 +69,9 @@ def normalised_dots(problem: BundleProblem, network: Network, sightings: Sightin
 def sighted_poses(problem: BundleProblem, network: Network, sightings: Sightings) -> SightedPoses:
     """Planar poses of sightings, with the network's present cameras and print scale."""
     normalised = normalised_dots(problem, network, sightings)
-    poses = planar_poses(problem.plane_m * network.print_scale, normalised, sightings.measured)
+    poses = planar_poses(
+        problem.plane_m * network.print_scale[sightings.target][:, None], normalised, sightings.measured
+    )
     return SightedPoses(sightings, normalised, poses.rotations, poses.translations_m, poses.exists)
 
 

@@ -18,9 +18,9 @@ from app.photogrammetry.control import MatchedPoints, StandingTargets, check_car
 from app.photogrammetry.control_errors import ControlOptions, hidden_exchanges, judge_control
 from app.photogrammetry.control_fit import PointPairs
 from app.photogrammetry.covariance import point_covariance, reduced_at
-from app.photogrammetry.datum import PRINT_SIGMA, AssumedDatum, assume_datum
+from app.photogrammetry.datum import AssumedDatum, assume_datum
 from app.photogrammetry.free_adjustment import held_photo
-from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network
+from app.photogrammetry.network import POSE_COUNT, Network
 from app.photogrammetry.variance_components import ComponentOptions, Components, estimate_components
 
 Array = npt.NDArray[np.float64]
@@ -76,7 +76,7 @@ def redundancy(problem: BundleProblem) -> int:
     """Observations minus unknowns, weighted equations of cameras, print, poses and points counted as observations."""
     sightings = problem.sightings
     equations = 2 * int(sightings.measured.sum()) + INTRINSIC_COUNT * len(problem.cameras)
-    equations += PRINT_COUNT if problem.print_sigma is not None else 0
+    equations += int(problem.prints.free.sum())
     for poses in (problem.photo_poses, problem.target_poses):
         equations += POSE_COUNT * (0 if poses is None else len(poses.index))
     equations += 3 * (0 if problem.points is None else len(problem.points))
@@ -147,14 +147,16 @@ def _with_control(
         )
     if off > options.doubted_print:
         warnings += (
-            f"The plates are printed at {100.0 * fit.site_from_model.scale:.1f} % of their nominal size: print them "
-            "without fitting to the page, or give the site the module that was printed.",
+            f"The plates are printed at {100.0 * fit.site_from_model.scale:.1f} % of the size they should have: "
+            "measure the bars of their sheets and enter them as a print batch, or give the site the module that was "
+            "printed.",
         )
+    prints = problem.prints.freed()
     problem = replace(
         problem,
         photo_poses=None,
         points=replace(equations, sigma_m=equations.sigma_m * factor),
-        print_sigma=PRINT_SIGMA if off <= options.doubted_print else options.possible_print,
+        prints=prints if off <= options.doubted_print else prints.doubted(options.possible_print),
     )
     return problem, network.transformed(fit.site_from_model), warnings
 

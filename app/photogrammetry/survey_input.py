@@ -12,9 +12,11 @@ import numpy.typing as npt
 from app.errors import NotLocated, SurveyFailed
 from app.geometry.camera import CalibratedCamera, CameraIdentity
 from app.geometry.observations import Detection
+from app.geometry.print_batch import PrintBatch
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.camera_prior import camera_from_exif
 from app.photogrammetry.planar_pose import PlanarPoseOptions, planar_poses
+from app.photogrammetry.prints import PRINT_SIGMA, Prints
 from app.photogrammetry.sightings import gather_sightings
 
 Index = npt.NDArray[np.intp]
@@ -37,10 +39,11 @@ class SurveyPhoto:
 
 @dataclass(frozen=True)
 class PlateSpec:
-    """The plates of a site: their code family and nominal module in metres."""
+    """The plates of a site: their code family, nominal module in metres, and batches whose check bars were measured."""
 
     code_family: str
     u_m: float
+    batches: tuple[PrintBatch, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -96,11 +99,22 @@ def read_survey(photos: Sequence[SurveyPhoto], plate: PlateSpec) -> SurveyInput:
         np.array([keys.index(photo.identity.key) for photo in ordered], dtype=np.intp),
         tuple(priors.values()),
         plate.u_m,
+        _prints(codes, plate.batches),
     )
     identities = tuple(next(photo.identity for photo in ordered if photo.identity.key == key) for key in keys)
     return SurveyInput(
         _with_poses_only(problem), tuple(photo.name for photo in ordered), codes, identities, (*empty, *strangers)
     )
+
+
+def _prints(codes: Index, batches: Sequence[PrintBatch]) -> Prints:
+    """Batch 0 holds what is on no list; all are held as they were measured until control points say more."""
+    batch = np.zeros(len(codes), dtype=np.intp)
+    for number, one in enumerate(batches, start=1):
+        batch[np.isin(codes, one.codes)] = number
+    expected = np.array([(1.0, 1.0), *(one.scale_xy for one in batches)])
+    sigma = np.array([PRINT_SIGMA, *(one.scale_sigma for one in batches)])
+    return Prints(batch, expected, sigma, np.ones(len(sigma), dtype=np.bool_))
 
 
 def _check_names(photos: Sequence[SurveyPhoto]) -> None:

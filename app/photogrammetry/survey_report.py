@@ -12,7 +12,7 @@ from app.geometry.control import ControlPoint, Role
 from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.control import match_points
 from app.photogrammetry.image_residuals import ImageResiduals, image_residuals
-from app.photogrammetry.network import PRINT_COUNT
+from app.photogrammetry.print_records import print_scales
 from app.photogrammetry.report import (
     AdjustmentReport,
     CameraRecord,
@@ -94,9 +94,10 @@ def _datum(solution: Solution) -> DatumRecord:
 
 
 def _print_scale(solution: Solution) -> PrintRecord:
-    held = solution.problem.print_sigma is None
-    variances = np.zeros(PRINT_COUNT) if held else np.diag(solution.border_covariance)[-PRINT_COUNT:]
-    return PrintRecord(solution.network.print_scale, np.sqrt(variances), held)
+    prints = solution.problem.prints
+    scale, variances = print_scales(solution)
+    largest = int(prints.sizes.argmax())
+    return PrintRecord(scale[largest], np.sqrt(variances[largest]), bool(prints.held[largest]))
 
 
 def _camera(identity: CameraIdentity, camera: SelfCalibration) -> CameraRecord:

@@ -72,7 +72,9 @@ def solve_uncertainty(site: SiteNetwork, published: Mask) -> Solution:
     parted = part_datum(covariances, reduced, network, published, problem.plane_m)
     photos = covariances.photos
     if site.assumed is not None:
-        parted = replace(parted, datum=assumed_covariance(parted.datum, site.assumed.tilt_sigma_rad))
+        parted = replace(
+            parted, datum=assumed_covariance(parted.datum, site.assumed.tilt_sigma_rad, _held_sigma(problem))
+        )
         shared = [parted.datum.pose_covariance(position_m) for position_m in network.photo_positions_m]
         photos = parted.photos + np.array(shared)
     photo_rms_px, target_rms_px = _image_residuals(problem, network)
@@ -87,6 +89,11 @@ def solve_uncertainty(site: SiteNetwork, published: Mask) -> Solution:
         intersection_angles(network, problem.sightings),
         published,
     )
+
+
+def _held_sigma(problem: BundleProblem) -> float:
+    """Of the print scale that a map without control takes its own from."""
+    return float(problem.prints.sigma[problem.prints.held].min())
 
 
 def _image_residuals(problem: BundleProblem, network: Network) -> tuple[Array, Array]:

@@ -22,7 +22,7 @@ from app.photogrammetry.collinearity import (
     target_step_from_photo_step,
 )
 from app.photogrammetry.inverse_parts import TargetPart, inverse_parts
-from app.photogrammetry.network import POSE_COUNT, PRINT_COUNT, Network
+from app.photogrammetry.network import POSE_COUNT, Network
 from app.photogrammetry.plate_correlation import plate_basis
 from app.photogrammetry.reduced_system import ReducedSystem
 from app.photogrammetry.robust import RobustLoss
@@ -138,16 +138,16 @@ def _step_covariances(problem: BundleProblem, network: Network, reduced: Reduced
     own = turned @ own @ np.swapaxes(turned, -1, -2)
     covariances[:, :POSE_COUNT, :POSE_COUNT] = target + own + across + np.swapaxes(across, -1, -2)
     for ray, camera in enumerate(problem.camera_of_photo[photo]):
-        columns, places = _shared_columns(problem, int(camera))
+        columns, places = _shared_columns(problem, int(camera), int(problem.prints.batch[part.target]))
         covariances[ray, :POSE_COUNT, columns] = shared[ray][:, places].T
         covariances[ray, columns, :POSE_COUNT] = shared[ray][:, places].T
         covariances[ray][np.ix_(columns, columns)] = part.inverse[split:, split:][np.ix_(places, places)]
     return covariances
 
 
-def _shared_columns(problem: BundleProblem, camera: int) -> tuple[Index, Index]:
+def _shared_columns(problem: BundleProblem, camera: int, batch: int) -> tuple[Index, Index]:
     """Columns of a sighting's equations that belong to free shared unknowns, and the places of these among all."""
-    every = np.r_[problem.camera_columns(camera), problem.border_count - PRINT_COUNT : problem.border_count]
+    every = np.r_[problem.camera_columns(camera), problem.print_columns(batch)]
     columns = np.r_[CAMERA_COLUMNS, PRINT_COLUMNS]
     free = problem.free_border
     return columns[free[every]], (np.cumsum(free) - 1)[every[free[every]]]

@@ -14,6 +14,7 @@ from app.photogrammetry.bundle_normals import normal_equations, prior_cost, squa
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.equations import PointEquations, PoseEquations
 from app.photogrammetry.network import Network, NetworkStep
+from app.photogrammetry.prints import one_batch
 from app.photogrammetry.reduced_system import Unknowns, photo_graph_tree, reduce_normals
 from app.photogrammetry.robust import RobustLoss
 from tests.photogrammetry.survey_scene import U_M, build_room, ring_of_stations
@@ -37,7 +38,13 @@ def full_problem(truth: Truth) -> BundleProblem:
         np.array([0.001, 0.002, 0.001]),
     )
     sightings = truth.sightings.correlated(PlateSigmas(1.4, 1.2, 0.9))
-    return replace(truth.problem, sightings=sightings, print_sigma=0.002, target_poses=known, points=points)
+    return replace(
+        truth.problem,
+        sightings=sightings,
+        prints=one_batch(len(network.target_rotations), 0.002),
+        target_poses=known,
+        points=points,
+    )
 
 
 def moved(network: Network, seed: int = 8) -> Network:
@@ -49,7 +56,7 @@ def moved(network: Network, seed: int = 8) -> Network:
             rng.normal(0, 0.02, (photos, 6)),
             rng.normal(0, 0.02, (targets, 6)),
             rng.normal(0, 1.0, (1, 9)) * [5, 5, 3, 3, 0.01, 0.01, 1e-4, 1e-4, 0.01],
-            rng.normal(0, 0.001, 2),
+            np.tile(rng.normal(0, 0.001, 2), (targets, 1)),
         )
     )
 
@@ -58,7 +65,9 @@ def cost_along(problem: BundleProblem, network: Network, direction: Array, size:
     """Weighted squares after a step in all unknowns: photographs, targets, intrinsics, print scale."""
     photos, targets = len(network.photo_rotations), len(network.target_rotations)
     parts = np.split(size * direction, np.cumsum([6 * photos, 6 * targets, 9]))
-    step = NetworkStep(parts[0].reshape(-1, 6), parts[1].reshape(-1, 6), parts[2].reshape(1, 9), parts[3])
+    step = NetworkStep(
+        parts[0].reshape(-1, 6), parts[1].reshape(-1, 6), parts[2].reshape(1, 9), np.tile(parts[3], (targets, 1))
+    )
     there = network.moved(step)
     return float(squared_residuals(problem, there).sum()) + prior_cost(problem, there)
 
@@ -138,8 +147,8 @@ def test_a_held_print_stays_and_a_free_one_is_found() -> None:
     )
     held = adjust_bundle(truth.problem, truth.network)
     assert (held.network.print_scale == 1.0).all()
-    free = replace(truth.problem, points=points, print_sigma=0.1, photo_poses=None)
-    found = adjust_bundle(free, truth.network).network.print_scale
+    free = replace(truth.problem, points=points, prints=one_batch(len(truth.codes), 0.1), photo_poses=None)
+    found = adjust_bundle(free, truth.network).network.print_scale[0]
     np.testing.assert_allclose(found, [1.001, 0.9985], atol=1e-5)  # a centre known to 1e-5 of some metres
 
 

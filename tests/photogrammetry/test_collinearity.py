@@ -36,7 +36,9 @@ def sightings(scene: tuple[Network, Sightings], request: pytest.FixtureRequest) 
 
 def no_step(network: Network) -> NetworkStep:
     photos, targets = len(network.photo_rotations), len(network.target_rotations)
-    return NetworkStep(np.zeros((photos, 6)), np.zeros((targets, 6)), np.zeros((1, INTRINSIC_COUNT)), np.zeros(2))
+    return NetworkStep(
+        np.zeros((photos, 6)), np.zeros((targets, 6)), np.zeros((1, INTRINSIC_COUNT)), np.zeros((targets, 2))
+    )
 
 
 def difference(network: Network, sightings: Sightings, step: NetworkStep, size: float) -> Array:
@@ -63,7 +65,9 @@ def test_a_residual_is_computed_minus_observed_in_standard_deviations(scene: tup
 
 
 def test_linearised_residuals_are_the_residuals(scene: tuple[Network, Sightings], sightings: Sightings) -> None:
-    network = scene[0].moved(replace(no_step(scene[0]), print_scale=np.array([0.01, -0.02])))
+    network = scene[0].moved(
+        replace(no_step(scene[0]), print_scale=np.tile([0.01, -0.02], (len(scene[0].target_rotations), 1)))
+    )
     rows = linearise(network, sightings, CAMERA, PLANE_M)
     np.testing.assert_allclose(rows.residuals, whitened_residuals(network, sightings, CAMERA, PLANE_M), atol=1e-9)
 
@@ -90,7 +94,7 @@ def test_derivative_by_the_photograph(scene: tuple[Network, Sightings], sighting
 @pytest.mark.parametrize("column", range(2))
 def test_derivative_by_the_print_scale(scene: tuple[Network, Sightings], sightings: Sightings, column: int) -> None:
     step = no_step(scene[0])
-    step.print_scale[column] = STEP
+    step.print_scale[:, column] = STEP
     expected = difference(scene[0], sightings, step, STEP)
     jacobian = linearise(scene[0], sightings, CAMERA, PLANE_M).jacobian[..., PRINT_COLUMNS][..., column]
     np.testing.assert_allclose(jacobian, expected, rtol=1e-5, atol=1e-3)

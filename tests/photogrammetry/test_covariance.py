@@ -19,6 +19,7 @@ from app.photogrammetry.covariance import (
 )
 from app.photogrammetry.equations import PointEquations
 from app.photogrammetry.network import Network
+from app.photogrammetry.prints import one_batch
 from app.photogrammetry.reduced_system import ReducedSystem, Unknowns
 from app.targets.layout import dot_centres_u
 from tests.photogrammetry.survey_scene import U_M, build_room, ring_of_stations
@@ -95,7 +96,7 @@ def test_normalised_errors_of_drawn_surveys() -> None:
         known_m = truth.network.target_positions_m[control]
         known_m = known_m + np.random.default_rng(draw).normal(0, sigma_m, (4, 3))
         points = PointEquations(control, np.zeros((4, 2)), known_m, np.full(4, sigma_m))
-        problem = replace(truth.problem, photo_poses=None, points=points, print_sigma=0.002)
+        problem = replace(truth.problem, photo_poses=None, points=points, prints=one_batch(len(truth.codes), 0.002))
         network = adjust_bundle(problem, truth.network).network
         reduced = reduced_at(problem, network, LOSS)
         covariances = pose_covariances(reduced, problem.sightings)

@@ -53,11 +53,11 @@ def test_point_jacobian() -> None:
     jacobian = points.jacobian(truth)
     for column in range(8):
         targets = np.zeros((len(truth.target_rotations), 6))
-        step = NetworkStep(np.zeros((3, 6)), targets, np.zeros((1, 9)), np.zeros(2))
+        step = NetworkStep(np.zeros((3, 6)), targets, np.zeros((1, 9)), np.zeros((len(targets), 2)))
         if column < 6:
             step.targets[:, column] = STEP
         else:
-            step.print_scale[column - 6] = STEP
+            step.print_scale[:, column - 6] = STEP
         back = NetworkStep(-step.photos, -step.targets, -step.intrinsics, -step.print_scale)
         expected = (points.residuals(truth.moved(step)) - points.residuals(truth.moved(back))) / (2 * STEP)
         np.testing.assert_allclose(jacobian[..., column], expected, rtol=1e-6, atol=1e-5)

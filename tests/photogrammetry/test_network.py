@@ -70,7 +70,7 @@ def test_another_frame_changes_no_residual() -> None:
 def test_many_steps_leave_a_proper_rotation() -> None:
     network = small_truth().network
     photos, targets = len(network.photo_rotations), len(network.target_rotations)
-    step = NetworkStep(np.full((photos, 6), 0.1), np.full((targets, 6), -0.1), np.zeros((1, 9)), np.zeros(2))
+    step = NetworkStep(np.full((photos, 6), 0.1), np.full((targets, 6), -0.1), np.zeros((1, 9)), np.zeros((targets, 2)))
     for _ in range(1000):
         network = network.moved(step)
     assert np.isfinite(network.photo_pose(0).position_m).all()  # a pose checks its rotation when born

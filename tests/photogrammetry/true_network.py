@@ -13,6 +13,7 @@ from app.geometry.pose import Pose
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.free_adjustment import held_photo
 from app.photogrammetry.network import Network
+from app.photogrammetry.prints import PRINT_SIGMA, one_batch
 from app.photogrammetry.sightings import Sightings, gather_sightings
 from tests.photogrammetry.survey_scene import CAMERA, NOISE_PX, U_M, Room, build_room, photograph, ring_of_stations
 
@@ -32,7 +33,8 @@ class Truth:
     def problem(self) -> BundleProblem:
         """The free adjustment, held at the first photograph."""
         one_camera = np.zeros(self.sightings.photo_count, dtype=np.intp)
-        return BundleProblem(self.sightings, one_camera, (PRIOR,), U_M, photo_poses=held_photo(self.network, 0))
+        prints = one_batch(len(self.codes), PRINT_SIGMA, held=True)
+        return BundleProblem(self.sightings, one_camera, (PRIOR,), U_M, prints, photo_poses=held_photo(self.network, 0))
 
 
 def see(room: Room, stations: Sequence[Pose], noise_px: float = 0.0, seed: int = 3) -> Truth:
@@ -46,7 +48,7 @@ def see(room: Room, stations: Sequence[Pose], noise_px: float = 0.0, seed: int =
         np.array([pose.rotation for pose in poses]),
         np.array([pose.position_m for pose in poses]),
         CAMERA.intrinsics[None].copy(),
-        np.ones(2),
+        np.ones((len(poses), 2)),
     )
     stated = sightings.reweighted(NOISE_PX / 0.01) if noise_px == 0.0 else sightings  # exact dots come with 0.01 px
     return Truth(network, stated, codes)

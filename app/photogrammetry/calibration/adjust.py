@@ -21,6 +21,7 @@ from app.photogrammetry.collinearity import whitened_residuals
 from app.photogrammetry.covariance import pose_covariances, reduced_at
 from app.photogrammetry.equations import PoseEquations
 from app.photogrammetry.network import POSE_COUNT, Network
+from app.photogrammetry.prints import PRINT_SIGMA, one_batch
 from app.photogrammetry.self_calibration import SelfCalibration, self_calibrate
 from app.photogrammetry.sightings import gather_sightings
 from app.photogrammetry.variance_components import ComponentOptions, estimate_components
@@ -116,24 +117,25 @@ def _problem(oriented: Oriented, target_map: TargetMap) -> tuple[BundleProblem, 
         target_rotations=np.array([target.site_from_target.rotation for target in targets]),
         target_positions_m=np.array([target.site_from_target.position_m for target in targets]),
         intrinsics=oriented.prior.camera.intrinsics[None],
-        print_scale=_print_scale(targets, target_map.u_m),
+        print_scale=_print_scales(targets, target_map.u_m),
     )
     own = np.array([target.covariance for target in targets]) + np.diag(LEAST_OWN_SIGMAS**2)
     known = PoseEquations(
         np.arange(len(targets)), network.target_rotations, network.target_positions_m, np.linalg.inv(own)
     )
     cameras = np.zeros(len(poses), dtype=np.intp)
-    return BundleProblem(sightings, cameras, (oriented.prior,), target_map.u_m, target_poses=known), network
+    prints = one_batch(len(targets), PRINT_SIGMA, held=True)
+    return BundleProblem(sightings, cameras, (oriented.prior,), target_map.u_m, prints, target_poses=known), network
 
 
-def _print_scale(targets: list[MappedTarget], u_m: float) -> Array:
-    """Printed over nominal length along and across the plates, shape (2,): the median of what the map's dots show."""
+def _print_scales(targets: list[MappedTarget], u_m: float) -> Array:
+    """Printed over nominal length along x and y of each plate, shape (T, 2), as the map's dots show it."""
     plane_m = dot_centres_u() * u_m
     scales = np.empty((len(targets), 2))
     for row, target in enumerate(targets):
         local_m = target.site_from_target.inverse().apply(target.dots_m)[:, :2]
         scales[row] = (local_m * plane_m).sum(axis=0) / (plane_m**2).sum(axis=0)
-    return np.asarray(np.median(scales, axis=0))
+    return scales
 
 
 def _rms_px(problem: BundleProblem, network: Network) -> float:
