@@ -159,7 +159,7 @@ def survey_control(
     usable = [target for target in targets if not target.wrong]
     if len(usable) < sum(counts):
         raise InvalidInput(f"{sum(counts)} points need as many targets, there are {len(usable)}: post more targets")
-    chosen = _farthest_first(np.stack([target.site_from_target.position_m for target in usable]), sum(counts))
+    chosen = farthest_first(np.stack([target.site_from_target.position_m for target in usable]), sum(counts))
     points = []
     for index, at in enumerate(chosen):
         role: Role = "control" if index < counts[0] else "check"
@@ -169,7 +169,7 @@ def survey_control(
     return tuple(points)
 
 
-def _farthest_first(points_m: Floats, count: int) -> list[int]:
+def farthest_first(points_m: Floats, count: int) -> list[int]:
     """Indices of points that lie far from each other: each next one is the farthest from all before it."""
     chosen = [int(np.linalg.norm(points_m - points_m.mean(axis=0), axis=1).argmax())]
     while len(chosen) < count:
