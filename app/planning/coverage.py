@@ -181,7 +181,8 @@ def poses_at(position_m: Array, headings_rad: Array, wish: ViewWish) -> tuple[Po
     """``site_from_cam`` at a position in each direction."""
     rise, roll_rad = np.tan(np.radians(wish.pitch_deg)), np.pi / 2 if wish.upright else 0.0
     return tuple(
-        look_at(position_m, position_m + [np.cos(heading), np.sin(heading), rise], roll_rad) for heading in headings_rad
+        look_at(position_m, position_m + np.array([np.cos(heading), np.sin(heading), rise]), roll_rad)
+        for heading in headings_rad
     )
 
 
@@ -201,4 +202,5 @@ def _steps(least_m: float, greatest_m: float, step_m: float) -> Array:
     count = max(int(np.floor((greatest_m - least_m) / step_m + 1e-9)), 1)
     if count > MOST_VIEWS:
         raise InvalidInput(f"a step of {step_m:g} m makes {count} columns; take a larger one")
-    return (least_m + greatest_m) / 2 + (np.arange(count) - (count - 1) / 2) * step_m
+    from_middle = np.arange(count, dtype=np.float64) - (count - 1) / 2
+    return np.asarray((least_m + greatest_m) / 2 + from_middle * step_m, dtype=np.float64)
