@@ -85,10 +85,16 @@ class _Lights:
         return light
 
     def _of_lamp(self, lamp: Lamp, samples: Samples) -> Floats:
-        """Inverse square law and Lambert's cosine."""
-        x_m, y_m, z_m = self.panel.site_from_panel.inverse().apply(lamp.position_m)
+        """Inverse square law and Lambert's cosine, at the lamp too when it is a lit sheet."""
+        panel_from_site = self.panel.site_from_panel.inverse()
+        x_m, y_m, z_m = panel_from_site.apply(lamp.position_m)
         distance2_m2 = (samples.x_m - x_m) ** 2 + (samples.y_m - y_m) ** 2 + z_m**2
-        strength = max(z_m, 0.0) / (distance2_m2 * np.sqrt(distance2_m2))
+        distance_m = np.sqrt(distance2_m2)
+        strength = max(z_m, 0.0) / (distance2_m2 * distance_m)
+        if lamp.facing is not None:
+            along_x, along_y, along_z = panel_from_site.rotation @ lamp.facing
+            ahead_m = along_x * (samples.x_m - x_m) + along_y * (samples.y_m - y_m) - along_z * z_m
+            strength = strength * np.maximum(ahead_m, 0.0) / distance_m
         return np.asarray(strength[..., None] * np.array(lamp.intensity_rgb))
 
     def _mirrored(self, lamp: Lamp, gloss: Gloss, samples: Samples) -> Floats:

@@ -1,8 +1,9 @@
-"""What a plan's room looks like: its walls in plaster, a floor and a ceiling, and its ``lights``."""
+"""The ``lights`` of a plan: lamps under the ceiling, windows, and light from everywhere."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -13,68 +14,94 @@ from app.planning.plan_file import Plan
 from app.planning.plan_targets import wall_named
 from app.planning.plan_walls import Wall
 from app.planning.posting import NORTH, PROUD_M, UP, pose_facing
-from app.planning.room import AMBIENT_RGB, CEILING_RGB, FLOOR_RGB, LAMP_RGB, WALL_RGB, plastered
-from app.planning.scene import Lamp, Panel, Scene
+from app.planning.room import AMBIENT_RGB, CEILING_RGB, LAMP_RGB
+from app.planning.scene import Lamp, Panel
 from app.planning.surfaces import PlainSurface
 
 Floats = npt.NDArray[np.float64]
+Rgb = tuple[float, float, float]
 
 LIGHT_FIELDS = ("ambient", "lamps", "windows")
-LAMP_FIELDS = ("at_m", "strength")
+LAMP_FIELDS = ("at_m", "strength", "size_m")
 WINDOW_FIELDS = ("wall", "at_m", "size_m", "glow")
 WINDOW_RGB = (60, 66, 74)  # glass mirrors little of a room
 DAYLIGHT_RGB = (0.95, 1.0, 1.08)
-LAMP_EVERY_M, LAMP_BELOW_M = 5.0, 0.3  # where lamps hang when the plan says nothing
-UPRIGHT_COSINE = 0.99
+LAMP_EVERY_M, LAMP_BELOW_M = 5.0, 0.05  # where lamps hang when the plan says nothing
+LAMP_SIZE_M = (0.6, 0.6)  # of a usual ceiling's tile
+LAMP_STRENGTH, WINDOW_GLOW = 4.0, 2.0
 MOST_LAMPS, MOST_LIGHT = 100, 1e4  # each lamp lights each picture element
 
 
-def scene_of(plan: Plan, seed: int) -> Scene:
-    """The plan's walls and targets in its light.
+@dataclass(frozen=True)
+class Fixture:
+    """A lit sheet under a ceiling.
+
+    Attributes
+    ----------
+    at_m : ndarray of shape (3,)
+    strength : float
+        Light on a panel one metre below.
+    size_m : tuple of float
+        Along x and y.
+    """
+
+    at_m: Floats
+    strength: float = LAMP_STRENGTH
+    size_m: tuple[float, float] = LAMP_SIZE_M
+
+    def lamp(self) -> Lamp:
+        """What it does to the others."""
+        return Lamp(self.at_m, tinted(self.strength, LAMP_RGB), -UP)
+
+    def panel(self) -> Panel:
+        """What is seen of it."""
+        # A Lambertian sheet of area A that sends out as much light as a white panel in light L gives L A / pi at 1 m.
+        glow = np.pi * self.strength / (self.size_m[0] * self.size_m[1])
+        pose = pose_facing(-UP, NORTH, self.at_m)
+        return Panel(pose, *self.size_m, PlainSurface(CEILING_RGB), glow_rgb=tinted(glow, LAMP_RGB))
+
+
+@dataclass(frozen=True)
+class Lights:
+    """All light of a plan.
+
+    Attributes
+    ----------
+    ambient_rgb : tuple of float
+        From everywhere.
+    lamps : tuple of Lamp
+    panels : tuple of Panel
+        What is seen of lamps and windows.
+    """
+
+    ambient_rgb: Rgb
+    lamps: tuple[Lamp, ...]
+    panels: tuple[Panel, ...]
+
+
+def lights_of(plan: Plan) -> Lights:
+    """What ``lights`` says; what it leaves out is a usual room's.
 
     Raises
     ------
     InvalidInput
         Naming line and field of a light that cannot be.
     """
-    rng = np.random.default_rng(seed)
     members = plan.sections["lights"].members(*LIGHT_FIELDS) if "lights" in plan.sections else {}
-    windows = members["windows"].items() if "windows" in members else []
-    by_name = {wall.name: wall for wall in plan.walls}
-    panels = [panel for wall in plan.walls for panel in _sides(wall, rng)]
-    panels += _floor_and_ceiling(plan.walls, rng) + [_window(window, by_name) for window in windows]
-    ambient = AMBIENT_RGB
-    if "ambient" in members:
-        red, green, blue = (members["ambient"].positive(MOST_LIGHT) / max(AMBIENT_RGB) * np.array(AMBIENT_RGB)).tolist()
-        ambient = (red, green, blue)
-    lamps = _lamps(members["lamps"]) if "lamps" in members else _usual_lamps(plan.walls)
-    return Scene(plan.targets, tuple(panels), lamps, ambient)
+    fixtures = _fixtures(members["lamps"]) if "lamps" in members else _usual_fixtures(plan.walls)
+    windows = [_window(window, plan) for window in (members["windows"].items() if "windows" in members else [])]
+    level = members["ambient"].positive(MOST_LIGHT) if "ambient" in members else max(AMBIENT_RGB)
+    return Lights(
+        ambient_rgb=tinted(level, AMBIENT_RGB),
+        lamps=tuple(fixture.lamp() for fixture in fixtures),
+        panels=(*windows, *(fixture.panel() for fixture in fixtures)),
+    )
 
 
-def _sides(wall: Wall, rng: np.random.Generator) -> list[Panel]:
-    """Front and back: a wall hides what is behind it from either side."""
-    front, turned = wall.site_from_wall, np.diag([-1.0, 1.0, -1.0])
-    lying = abs(front.rotation[2, 2]) > UPRIGHT_COSINE
-    usual_rgb = (FLOOR_RGB if front.rotation[2, 2] > 0 else CEILING_RGB) if lying else WALL_RGB
-    rgb = usual_rgb if wall.rgb is None else wall.rgb
-    poses = (front, Pose(front.rotation @ turned, front.position_m))
-    plain = [Panel(pose, wall.width_m, wall.height_m, PlainSurface(rgb)) for pose in poses]
-    return [plastered(plain[0], rgb, rng), plain[1]]
-
-
-def _floor_and_ceiling(walls: Sequence[Wall], rng: np.random.Generator) -> list[Panel]:
-    """Under and over the upright walls, as a rectangle about them, when the plan has no lying walls of its own."""
-    upright = [wall for wall in walls if abs(wall.site_from_wall.rotation[2, 2]) <= UPRIGHT_COSINE]
-    if not upright or len(upright) < len(walls):
-        return []
-    least, greatest = extent_m(upright)
-    middle, size = (least + greatest) / 2, greatest - least
-    panels = []
-    for normal, height_m, rgb in ((UP, least[2], FLOOR_RGB), (-UP, greatest[2], CEILING_RGB)):
-        if (size[:2] > 0).all():
-            pose = pose_facing(normal, NORTH, np.array([*middle[:2], height_m]))
-            panels.append(plastered(Panel(pose, float(size[0]), float(size[1]), PlainSurface(rgb)), rgb, rng))
-    return panels
+def tinted(level: float, colour: Rgb) -> Rgb:
+    """Light of a colour whose strongest channel has that level."""
+    red, green, blue = (level / max(colour) * np.array(colour)).tolist()
+    return red, green, blue
 
 
 def extent_m(walls: Sequence[Wall]) -> tuple[Floats, Floats]:
@@ -83,45 +110,57 @@ def extent_m(walls: Sequence[Wall]) -> tuple[Floats, Floats]:
     return corners_m.min(axis=0), corners_m.max(axis=0)
 
 
-def _lamps(section: Field) -> tuple[Lamp, ...]:
+def _fixtures(section: Field) -> list[Fixture]:
     items = section.items()
     if len(items) > MOST_LAMPS:
         raise section.error(f"at most {MOST_LAMPS} lamps; a larger ambient light stands for many")
-    lamps = []
+    fixtures = []
     for item in items:
         members = item.members(*LAMP_FIELDS)
-        strength = members["strength"].positive(MOST_LIGHT) if "strength" in members else max(LAMP_RGB)
-        red, green, blue = (strength / max(LAMP_RGB) * np.array(LAMP_RGB)).tolist()
-        lamps.append(Lamp(item.needed(members, "at_m").vector(3), (red, green, blue)))
-    return tuple(lamps)
+        strength = members["strength"].positive(MOST_LIGHT) if "strength" in members else LAMP_STRENGTH
+        size_m = _size(members["size_m"]) if "size_m" in members else LAMP_SIZE_M
+        fixtures.append(Fixture(item.needed(members, "at_m").vector(3), strength, size_m))
+    return fixtures
 
 
-def _usual_lamps(walls: Sequence[Wall]) -> tuple[Lamp, ...]:
+def _usual_fixtures(walls: Sequence[Wall]) -> list[Fixture]:
     """In rows below the ceiling."""
     if not walls:
-        return ()
+        return []
     least, greatest = extent_m(walls)
-    rows = [max(1, round((high - low) / LAMP_EVERY_M)) for low, high in zip(least[:2], greatest[:2], strict=True)]
-    grid = [low + (np.arange(n) + 0.5) / n * (high - low) for n, low, high in zip(rows, least, greatest, strict=False)]
-    height_m = greatest[2] - LAMP_BELOW_M
-    return tuple(Lamp(np.array([x_m, y_m, height_m]), LAMP_RGB) for x_m in grid[0] for y_m in grid[1])
+    across, along = (
+        low + (np.arange(rows) + 0.5) / rows * (high - low)
+        for low, high in zip(least[:2], greatest[:2], strict=True)
+        for rows in (max(1, round((high - low) / LAMP_EVERY_M)),)
+    )
+    return [Fixture(np.array([x_m, y_m, greatest[2] - LAMP_BELOW_M])) for x_m in across for y_m in along]
 
 
-def _window(item: Field, walls: dict[str, Wall]) -> Panel:
+def _window(item: Field, plan: Plan) -> Panel:
     """A bright rectangle on a wall; metering follows it, as a phone's does."""
     members = item.members(*WINDOW_FIELDS)
-    wall = wall_named(item.needed(members, "wall"), walls)
-    along_m, up_m = item.needed(members, "at_m").vector(2)
-    size = item.needed(members, "size_m")
-    width_m, height_m = size.vector(2)
+    wall = wall_named(item.needed(members, "wall"), {wall.name: wall for wall in plan.walls})
+    at = item.needed(members, "at_m")
+    along_m, up_m = at.vector(2).tolist()
+    size_m = _size(item.needed(members, "size_m"))
+    margins_m = (
+        np.array([along_m, up_m, wall.width_m - along_m, wall.height_m - up_m]) - np.array([*size_m, *size_m]) / 2
+    )
+    if (margins_m < 0).any():
+        raise at.error(f"at_m is the window's middle, and the window reaches beyond the wall {wall.name}")
+    glow = members["glow"].positive(MOST_LIGHT) if "glow" in members else WINDOW_GLOW
+    # Between the wall and the paper that hangs on it.
+    at_m = wall.place_m(along_m, up_m) - PROUD_M / 2 * wall.site_from_wall.rotation[:, 2]
+    pose = Pose(wall.site_from_wall.rotation, at_m)
+    for target in plan.targets:
+        x_m, y_m, z_m = np.abs(pose.inverse().apply(target.site_from_target.position_m))
+        if z_m <= PROUD_M and x_m <= size_m[0] / 2 and y_m <= size_m[1] / 2:
+            raise item.error(f"the target {target.code} hangs on this window: move one of them")
+    return Panel(pose, *size_m, PlainSurface(WINDOW_RGB), glow_rgb=tinted(glow, DAYLIGHT_RGB))
+
+
+def _size(field: Field) -> tuple[float, float]:
+    width_m, height_m = field.vector(2).tolist()
     if not (width_m > 0 and height_m > 0):
-        raise size.error("a window has a positive width and height")
-    if not (
-        width_m / 2 <= along_m <= wall.width_m - width_m / 2 and height_m / 2 <= up_m <= wall.height_m - height_m / 2
-    ):
-        raise members["at_m"].error(f"the window's middle is at_m; it reaches beyond the wall {wall.name}")
-    glow = members["glow"].positive(MOST_LIGHT) if "glow" in members else 2.0
-    red, green, blue = (glow * np.array(DAYLIGHT_RGB)).tolist()
-    middle_m = wall.place_m(along_m, up_m) - PROUD_M / 2 * wall.site_from_wall.rotation[:, 2]
-    pose = Pose(wall.site_from_wall.rotation, middle_m)
-    return Panel(pose, float(width_m), float(height_m), PlainSurface(WINDOW_RGB), glow_rgb=(red, green, blue))
+        raise field.error("two positive lengths are needed")
+    return width_m, height_m

@@ -67,13 +67,13 @@ def _floor_and_ceiling(size_m: tuple[float, float, float]) -> list[tuple[Panel, 
     return [(floor, FLOOR_RGB), (ceiling, CEILING_RGB)]
 
 
-def plastered(panel: Panel, rgb: tuple[int, int, int], rng: np.random.Generator) -> Panel:
-    """The panel with smooth noise of a few per cent over its colour, as plaster has it."""
+def plastered(panel: Panel, rgb: tuple[int, int, int], rng: np.random.Generator, roughness: float = 1.0) -> Panel:
+    """The panel with smooth noise over its colour, as plaster has it: a few per cent times the roughness."""
     noise = np.zeros((TEXTURE_PX, TEXTURE_PX, 3), dtype=np.float32)
     for cells in TEXTURE_CELLS:
         grid = rng.normal(0.0, 0.03, (cells, cells, 1)) + rng.normal(0.0, 0.008, (cells, cells, 3))
         noise += cv2.resize(grid.astype(np.float32), (TEXTURE_PX, TEXTURE_PX), interpolation=cv2.INTER_CUBIC)
-    picture = np.clip(linear_of_srgb(rgb) * (1.0 + noise), 0.0, 1.0).astype(np.float32)
+    picture = np.clip(linear_of_srgb(rgb) * (1.0 + roughness * noise), 0.0, 1.0).astype(np.float32)
     surface = PictureSurface(picture, panel.width_m, panel.height_m)
     return Panel(panel.site_from_panel, panel.width_m, panel.height_m, surface)
 

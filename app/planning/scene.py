@@ -127,10 +127,13 @@ class Lamp:
     position_m : ndarray of shape (3,)
     intensity_rgb : tuple of float
         Light on a panel one metre away that faces the lamp, linear.
+    facing : ndarray of shape (3,) or None
+        Direction, of length 1, of a lit sheet that shines by Lambert's cosine; None shines all around.
     """
 
     position_m: Floats
     intensity_rgb: tuple[float, float, float]
+    facing: Floats | None = None
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from app.planning.imaging import ImagingOptions
 from app.planning.plan_control import read_control
 from app.planning.plan_file import MM_PER_M, Plan, read_plan
 from app.planning.plan_imaging import Habits, read_imaging
-from app.planning.plan_lights import scene_of
 from app.planning.plan_path import Stop, read_path
+from app.planning.plan_scene import scene_of
 from app.planning.rays import RayGrid
 from app.planning.scene import Scene
 from app.planning.sight import see

@@ -37,7 +37,7 @@ class WalkOptions:
     """
 
     speed_m_s: float = 1.0
-    turn_s: float = 0.4
+    turn_s: float = 0.6
     rise_m: float = 0.015
     sway_m: float = 0.015
     unsteady_rad: float = float(np.radians(1.5))

@@ -1,4 +1,4 @@
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from app.planning.surfaces import PlainSurface
 from app.planning.survey_plan import look_at, phone_camera
 
 RAYS = RayGrid(phone_camera(320, 240))
-UP = np.array([0.0, 0.0, 1.0])
+UP, NORTH = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 EYE = look_at(np.array([0.0, -3.0, 1.0]), np.array([0.0, 0.0, 1.0]))  # looks north
 
 
@@ -21,6 +21,18 @@ def facing_south(x_m: float, y_m: float, width_m: float = 1.0) -> Panel:
     return Panel(
         pose_facing(np.array([0.0, -1.0, 0.0]), UP, np.array([x_m, y_m, 1.0])), width_m, 1.0, PlainSurface((9, 9, 9))
     )
+
+
+def upright(start: tuple[float, float], end: tuple[float, float], height_m: float) -> Panel:
+    """A wall that shows its front to the left of who walks from start to end."""
+    along = np.append(np.subtract(end, start), 0.0)
+    middle = np.array([*(np.add(start, end) / 2), height_m / 2])
+    pose = pose_facing(np.cross(UP, along), UP, middle)
+    return Panel(pose, float(np.linalg.norm(along)), height_m, PlainSurface((9, 9, 9)))
+
+
+def turned(pose: Pose) -> Pose:
+    return Pose(pose.rotation @ np.diag([-1.0, 1.0, -1.0]), pose.position_m)
 
 
 def order(panels: tuple[Panel, ...], eye: Pose = EYE) -> list[int]:
@@ -75,3 +87,30 @@ def test_a_wall_that_passes_the_camera_is_clipped_to_the_frame() -> None:
 def test_a_box_shows_at_most_three_faces() -> None:
     panels = tuple(box_panels(np.array([0.5, 0.0, 0.2]), (0.4, 0.4, 0.4), (9, 9, 9)))
     assert len(panels_in_view(panels, RAYS, EYE)) == 3  # west, south, top
+
+
+def test_panels_whose_planes_cut_each_other_are_told_by_what_is_nearer_where_both_are_seen() -> None:
+    pillar = Panel(
+        pose_facing(np.array([-1.0, -1.0, 0.0]), UP, np.array([0.0, 0.0, 1.0])), 0.3, 4.0, PlainSurface((9, 9, 9))
+    )
+    above = Panel(
+        pose_facing(np.array([0.0, 0.0, -1.0]), NORTH, np.array([0.1, 2.0, 1.5])), 3.0, 3.0, PlainSurface((9, 9, 9))
+    )
+    # The ceiling's plane cuts the pillar, the pillar's plane the ceiling; the pillar stands before it.
+    assert order((above, pillar)) == [0, 1]
+    assert order((pillar, above)) == [1, 0]
+
+
+def test_walls_beside_each_other_close_no_ring() -> None:
+    """An L-shaped hall with a pillar, seen from beside the pillar: boxes overlap all round, outlines do not."""
+    ring = [(0, 0), (14, 0), (14, 7.5), (11.5, 7.5), (11.5, 10), (0, 10)]
+    walls = [upright(start, end, 4.2) for start, end in pairwise([*ring, ring[0]])]
+    sides = [(6.8, 6.8), (6.8, 7.2), (7.2, 7.2), (7.2, 6.8)]
+    pillar = [upright(start, end, 4.2) for start, end in pairwise([*sides, sides[0]])]
+    inner = [Panel(turned(panel.site_from_panel), panel.width_m, panel.height_m, panel.surface) for panel in pillar]
+    lamp = Panel(pose_facing(-UP, NORTH, np.array([7.0, 3.0, 4.15])), 1.2, 0.6, PlainSurface((9, 9, 9)))
+    eye = look_at(np.array([7.375, 8.131, 1.559]), np.array([6.9, 4.0, 1.7]), np.pi / 2)
+    panels = (*walls, *pillar, *inner, lamp)
+    painted = order(panels, eye)
+    fronts = [index for index in range(len(walls), len(walls) + len(pillar)) if index in painted]
+    assert fronts and all(painted.index(front) > painted.index(len(panels) - 1) for front in fronts)
