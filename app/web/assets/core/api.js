@@ -81,8 +81,9 @@ export async function all(path, name, parameters = {}, most = 100000) {
  */
 export function listen(path, handlers, onConnection = () => {}) {
   const source = new EventSource(path);
-  for (const [name, handle] of Object.entries(handlers)) source.addEventListener(name, (event) => handle(JSON.parse(event.data)));
+  // A lost connection is an "error" of the browser without data; the service may name an event of its own so, too.
+  for (const [name, handle] of Object.entries(handlers)) source.addEventListener(name, (event) => event.data !== undefined && handle(JSON.parse(event.data)));
   source.onopen = () => onConnection(true);
-  source.onerror = () => onConnection(false);
+  source.onerror = (event) => event.data === undefined && onConnection(false);
   return () => source.close();
 }

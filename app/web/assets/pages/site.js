@@ -1,9 +1,10 @@
 // One site: what it is, where it stands in its work, targets to print.
-import { address, call, get, patch, remove } from "../core/api.js";
+import { address, get, patch, remove } from "../core/api.js";
 import { time } from "../core/format.js";
 import { useAction, useLoaded } from "../core/hooks.js";
 import { html, useState } from "../core/html.js";
 import { go } from "../core/router.js";
+import { download } from "../core/save.js";
 import { may } from "../core/session.js";
 import { Button, Dialog, Facts, Failure, Field, Loaded } from "../ui/parts.js";
 
@@ -37,8 +38,7 @@ function Sheets({ site }) {
   const change = (name) => (event) => setForm((before) => ({ ...before, [name]: event.target.value }));
   const printing = useAction(async () => {
     const wanted = form.which === "count" ? { count: form.count } : { codes: form.codes.replace(/\s+/g, "") };
-    const answer = await call(address("/targets/sheets.pdf", { ...wanted, size: form.size, site_id: site.site_id }));
-    saveAs(await answer.blob(), `targets-${site.name}.pdf`);
+    await download(address("/targets/sheets.pdf", { ...wanted, size: form.size, site_id: site.site_id }), `targets-${site.name}.pdf`);
   });
   return html`<section class="card"><h2>Print targets</h2>
     <form class="stack" onSubmit=${(event) => { event.preventDefault(); printing.run(); }}>
@@ -50,13 +50,6 @@ function Sheets({ site }) {
       <p class="small muted">Print at 100 %, then measure the two check bars of a sheet: each is 100 mm long.</p>
       <div><${Button} type="submit" kind="primary" busy=${printing.busy}>Make the sheets</${Button}></div>
     </form></section>`;
-}
-
-/** Give a file to the browser's downloads. */
-function saveAs(blob, name) {
-  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
 function Rename({ site, onDone, onClose }) {
