@@ -113,7 +113,7 @@ def compare(case: Case, views: int, draws: int, rng: np.random.Generator) -> Ite
         at = int(rng.integers(len(grid.positions_m)))
         heading_rad = headings_of(wish) + rng.uniform(0.0, 2.0 * np.pi)
         poses = poses_at(grid.positions_m[at], heading_rad, wish)
-        seen = predict_views(MapArrays.of(target_map), lines.of(at), poses, seeing)
+        seen = predict_views(MapArrays.of(target_map.targets), lines.of(at), poses, seeing)
         if len(seen.target) >= seeing.limits.min_targets:
             yield _compare_one(plan, target_map, (seen, seeing), draws, rng)
             views -= 1

@@ -69,7 +69,7 @@ def draw_observations(view: PlannedView, rng: np.random.Generator) -> list[Targe
         basis = sighted.modes[index].T
         errors = independent + basis @ (sigmas.of_modes * rng.normal(size=6) - basis.T @ independent)
         whitening = _lower(sighted.whiteners[index], sighted.measured[index])
-        colouring = np.linalg.inv(whitening)
+        colouring = np.asarray(np.linalg.inv(whitening), dtype=np.float64)
         errors_px = np.einsum("dij,dj->di", colouring, errors.reshape(DOT_COUNT, 2))
         centres_px = sighted.observed_px[index] + np.where(sighted.measured[index][:, None], errors_px, 0.0)
         covariances_px2 = colouring @ np.swapaxes(colouring, -1, -2)

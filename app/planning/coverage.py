@@ -125,7 +125,7 @@ def predict_coverage(
         When the grid has no position, or too many.
     """
     grid = make_grid(target_map, walls, wish)
-    arrays, prior = MapArrays.of(target_map), CameraPrior.of(seeing.camera)
+    arrays, prior = MapArrays.of(target_map.targets), CameraPrior.of(seeing.camera)
     focal_px = seeing.camera.camera.fx_px
     lines = find_sight_lines(grid.positions_m, target_map.targets, walls, (focal_px, seeing.limits))
     datum = datum_covariances(target_map.datum, grid.positions_m)

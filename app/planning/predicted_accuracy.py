@@ -25,7 +25,7 @@ NORMAL_95 = 1.6448536269514722  # 95 % of a normal distribution lie below so man
 
 @dataclass(frozen=True)
 class Information:
-    """What views know of pose and camera: normal matrices, shape (V, 15, 15), without any prior, and targets in them."""
+    """What views know of pose and camera: normal matrices (V, 15, 15) without any prior, and targets in view (V,)."""
 
     matrices: Array
     targets: npt.NDArray[np.intp]
@@ -33,12 +33,21 @@ class Information:
 
 def information_of(views: PredictedViews, prior: CameraPrior) -> Information:
     """Normal matrices of views, the camera's prior left out so that those of parts can be added."""
+    counts = np.diff(views.starts)
     matrices = np.zeros((len(views.poses), STATE_COUNT, STATE_COUNT))
-    for view, pose in enumerate(views.poses):
-        if views.starts[view] < views.starts[view + 1]:
-            at = evaluate(views.of(view), prior, State(pose, np.zeros(INTRINSIC_COUNT)))
-            matrices[view] = at.equations.information.sum(axis=0)
-    return Information(matrices, np.diff(views.starts))
+    seeing = np.flatnonzero(counts)
+    if len(seeing):
+        matrices[seeing] = np.add.reduceat(sighting_information(views, prior), views.starts[seeing], axis=0)
+    return Information(matrices, counts)
+
+
+def sighting_information(views: PredictedViews, prior: CameraPrior) -> Array:
+    """What each sighting adds to the normal matrix of its view, its target's own errors eliminated, (N, 15, 15)."""
+    matrices = np.empty((len(views.target), STATE_COUNT, STATE_COUNT))
+    for view in np.flatnonzero(np.diff(views.starts)).tolist():
+        at = evaluate(views.of(view), prior, State(views.poses[view], np.zeros(INTRINSIC_COUNT)))
+        matrices[views.starts[view] : views.starts[view + 1]] = at.equations.information
+    return matrices
 
 
 def position_covariances(matrices: Array, datum_covariance: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 from app.geometry.camera import CalibratedCamera, Camera
 from app.geometry.plate_sigmas import MODE_COUNT
 from app.geometry.pose import Pose
-from app.geometry.target_map import TargetMap
+from app.geometry.target_map import MappedTarget
 from app.photogrammetry.kernels.shared_errors import find_modes
 from app.photogrammetry.resection_input import PLATE_SHAPES, SightedTargets
 from app.planning.depth_order import NEAREST_M
@@ -63,9 +64,8 @@ class MapArrays:
     lit: Flags
 
     @classmethod
-    def of(cls, target_map: TargetMap) -> MapArrays:
-        """The arrays of a map."""
-        targets = target_map.targets
+    def of(cls, targets: Sequence[MappedTarget]) -> MapArrays:
+        """The arrays of a map's targets."""
         codes = np.array([target.code for target in targets], dtype=np.int64)
         lit = np.ones((len(codes), DOT_COUNT), dtype=np.bool_)
         lit[:, list(DIGIT_CELLS)] = digits_of_codes(codes) != BLACK
@@ -103,7 +103,7 @@ class PredictedViews:
 
     def of(self, view: int) -> SightedTargets:
         """The sightings of one view."""
-        return self.sighted.take(slice(self.starts[view], self.starts[view + 1]))
+        return self.sighted.take(np.arange(self.starts[view], self.starts[view + 1]))
 
 
 def predict_views(arrays: MapArrays, candidates: Index, poses: tuple[Pose, ...], seeing: Seeing) -> PredictedViews:
