@@ -23,6 +23,7 @@ from app.services.locate import Afterwards, LocateLimits, Locator
 from app.services.metrics import ServiceMetrics
 from app.services.metrics_of_pools import ConnectionMetrics, PoolMetrics
 from app.services.metrics_of_stored import StoredMetrics
+from app.services.photo_viewer import PhotoViewer, ViewLimits
 from app.services.rates import Rate
 from app.services.readiness import Dependencies, Readiness
 from app.services.report import ReportWriter
@@ -95,6 +96,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 printer=SheetPrinter(locating, settings.report_timeout_s),
                 guide=guide,
+                viewer=PhotoViewer(database, photos, locating, view_limits(settings)),
                 map_watch=MapWatch(database, locating, settings.evaluate_timeout_s),
                 readiness=Readiness(
                     Dependencies(database, photos, locating, settings.min_free_bytes, partial(_live_workers, database))
@@ -106,6 +108,12 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
     finally:
         await asyncio.to_thread(locating.close, LAST_WORK_S)
         database.close()
+
+
+def view_limits(settings: Settings) -> ViewLimits:
+    """What photographs that somebody looks at may take."""
+    photo = PhotoLimits(settings.max_photo_bytes, settings.max_photo_pixels)
+    return ViewLimits(photo, settings.locate_timeout_s, settings.detect_timeout_s)
 
 
 def transfer_limits(settings: Settings) -> TransferLimits:

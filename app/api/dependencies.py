@@ -16,6 +16,7 @@ from app.services.evaluations import Evaluator
 from app.services.gatekeeper import Gatekeeper
 from app.services.locate import Locator
 from app.services.metrics import ServiceMetrics
+from app.services.photo_viewer import PhotoViewer
 from app.services.readiness import Readiness
 from app.services.report import ReportWriter
 from app.services.sessions import BrowserSessions
@@ -52,6 +53,7 @@ class Services:
     reports: ReportWriter
     map_watch: MapWatch
     guide: SurveyGuide
+    viewer: PhotoViewer
     printer: SheetPrinter
     bell: TrajectoryBell
     importer: TrajectoryImporter

@@ -122,6 +122,22 @@ class SurveyRepository:
         query = select(PhotographRow).where(PhotographRow.survey_id == survey_id).order_by(PhotographRow.name)
         return tuple(_photo(row) for row in self._session.scalars(query))
 
+    def photo(self, survey_id: str, name: str) -> StoredPhoto:
+        """One photograph of a survey.
+
+        Raises
+        ------
+        NotFound
+        """
+        self.get(survey_id)
+        query = select(PhotographRow).where(PhotographRow.survey_id == survey_id, PhotographRow.name == name)
+        row = self._session.scalars(query).one_or_none()
+        if row is None:
+            raise NotFound(
+                f"the survey has no photograph {name}; GET /surveys/{survey_id}/images lists them", filename=name
+            )
+        return _photo(row)
+
     def photo_count(self, survey_id: str) -> int:
         """How many photographs a survey has."""
         query = select(func.count()).select_from(PhotographRow).where(PhotographRow.survey_id == survey_id)
