@@ -1,11 +1,12 @@
 // Errors seen from above: at each place of the reference an arrow to where the system said it was.
 import { html, useMemo } from "../core/html.js";
-import { mm } from "../core/format.js";
+import { mm, time } from "../core/format.js";
 import { drawTargets } from "../plan/draw.js";
 import { Plan } from "../plan/plan.js";
 import { ShadeLegend, SHADES, shades, shadeScale } from "../plan/shades.js";
 import { drawDots, drawWay } from "../plan/track.js";
 import { boundsOf, pixelsOf } from "../plan/view.js";
+import { useValueOf } from "../ui/shared_value.js";
 import { colour, seriesColour } from "../ui/theme.js";
 import { SIZES } from "./systems.js";
 
@@ -36,7 +37,15 @@ export function ErrorPlan({ systems, size, by, times, room, pointer }) {
     drawDots(context, view, ends, shadeOf, colours, ARROW_DOT_PX);
   };
   return html`<${Plan} label=${`Plan of ${pairs.length} errors of ${systems.map((system) => system.name).join(", ")}`} bounds=${bounds} draw=${draw} keys=${[pairs, size, by, times, room]} points=${ends} pointer=${pointer} />
+    <${Readout} pairs=${pairs} systems=${systems} pointer=${pointer} />
     ${by === "error" && scale.known && html`<${ShadeLegend} name=${`Error ${SIZES[size].label}`} low=${mm(scale.low)} high=${mm(scale.high)} />`}`;
+}
+
+/** The error that is pointed at. */
+function Readout({ pairs, systems, pointer }) {
+  const pair = pairs[useValueOf(pointer) ?? -1];
+  const name = pair && systems.find((system) => system.index === pair.index)?.name;
+  return html`<p class="error-readout small" aria-live="polite">${pair ? html`<b>${name}</b>, ${time(new Date(pair.time_s * 1000).toISOString())}: <span class="number">${mm(Math.hypot(...pair.error_m))}</span> in space (${pair.error_m.map((value) => mm(value)).join(", ")})` : html`<span class="muted">Point at the end of an arrow, or go with the arrow keys from pair to pair.</span>`}</p>`;
 }
 
 function drawArrows(context, view, pairs, ends, shadeOf, colours) {

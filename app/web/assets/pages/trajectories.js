@@ -1,16 +1,16 @@
 // The trajectories of a site: those that phones walked and those that came as files, found by device, time, place, uncertainty.
-import { all, address } from "../core/api.js";
+import { all } from "../core/api.js";
 import { count, time } from "../core/format.js";
 import { useLoaded } from "../core/hooks.js";
 import { html, useState } from "../core/html.js";
 import { amend } from "../core/router.js";
 import { Badge, Empty, Loaded, Table } from "../ui/parts.js";
-import { duration, reasonsText } from "../trajectories/texts.js";
+import { duration, nameOf, reasonsText } from "../trajectories/texts.js";
 import { Filter, NAMES, parametersOf } from "../trajectories/filter.js";
 
 export default function Trajectories({ site, query }) {
   const [wanted, setWanted] = useState(Object.fromEntries(NAMES.map((name) => [name, query[name] ?? ""])));
-  const found = useLoaded(() => all(address("/trajectories"), "trajectories", { site_id: site, ...parametersOf(wanted) }), [site, JSON.stringify(wanted)]);
+  const found = useLoaded(() => all("/trajectories", "trajectories", { site_id: site, ...parametersOf(wanted) }), [site, JSON.stringify(wanted)]);
   const choose = (next) => { amend(next); setWanted(next); };
   const narrowed = Object.values(wanted).some(Boolean);
   return html`<h1>Trajectories</h1>
@@ -19,8 +19,6 @@ export default function Trajectories({ site, query }) {
       ? html`<${Table} caption="Trajectories" columns=${columns} rows=${listed} keyOf=${(item) => item.trajectory_id} sortBy="first" descending=${true} />`
       : html`<${Empty}>${narrowed ? "No trajectory has a snapshot that fits all of this." : "No trajectory yet. A phone opens one when it locates; files of other systems come in under Evaluations."}</${Empty}>`)}</${Loaded}>`;
 }
-
-const nameOf = (item) => item.name || (item.default ? `${item.device_id ?? "snapshots"}, single snapshots` : item.device_id) || `trajectory ${item.trajectory_id.slice(-8)}`;
 
 const columns = [
   { key: "name", label: "Name", value: nameOf, show: (item) => html`<a href=${`#/trajectories/${item.trajectory_id}`}>${nameOf(item)}</a>` },

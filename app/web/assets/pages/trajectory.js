@@ -10,7 +10,7 @@ import { Exports } from "../trajectories/exports.js";
 import { gapOf, MOST_POSES, worstSigma } from "../trajectories/poses.js";
 import { Failures, Readout } from "../trajectories/readout.js";
 import { Series } from "../trajectories/series.js";
-import { duration, reasonsText } from "../trajectories/texts.js";
+import { duration, nameOf, reasonsText } from "../trajectories/texts.js";
 import { TrackPlan } from "../trajectories/track_plan.js";
 import { useLive, useTrack } from "../trajectories/use_track.js";
 import { Badge, Busy, Button, Empty, Failure, Figures, Notice } from "../ui/parts.js";
@@ -34,7 +34,7 @@ function Heading({ track: { trajectory }, state, follow, live, who, onClosed }) 
   const closing = useAction(async () => onClosed(await post(`/trajectories/${trajectory.trajectory_id}/close`)));
   const open = !trajectory.closed_at && !trajectory.source;
   return html`<p class="crumbs"><a href=${`#/sites/${trajectory.site_id}`}>Site</a> › <a href=${`#/sites/${trajectory.site_id}/trajectories`}>Trajectories</a></p>
-    <div class="row spread"><h1>${trajectory.name || trajectory.device_id || "Trajectory"}</h1><div class="row">
+    <div class="row spread"><h1>${nameOf(trajectory)}</h1><div class="row">
       ${STATES[state] && html`<span role="status"><${Badge} kind=${STATES[state][0]}>${STATES[state][1]}</${Badge}></span>`}
       ${open && html`<${Button} aria-pressed=${live} onClick=${follow}>${live ? "Stop following" : "Follow live"}</${Button}>`}
       ${open && may(who, "locate", "analyse") && html`<${Button} busy=${closing.busy} onClick=${closing.run}>Close the trajectory</${Button}>`}

@@ -1,5 +1,6 @@
 // What lists and pages of trajectories say.
 
+const TOLD_OF_ID = 8; // characters of its end, which is random
 const MINUTE_S = 60;
 const HOUR_S = 3600;
 
@@ -14,3 +15,6 @@ export function duration(first, last) {
 
 /** Failures by their reasons: `3 × no-targets, 1 × too-few-dots`. */
 export const reasonsText = (reasons) => Object.entries(reasons).sort((first, second) => second[1] - first[1]).map(([reason, times]) => `${times} × ${reason}`).join(", ") || "none";
+
+/** What a trajectory is called. */
+export const nameOf = (item) => item.name || (item.default ? `${item.device_id ?? "unnamed device"}, single snapshots` : item.device_id) || `trajectory ${item.trajectory_id.slice(-TOLD_OF_ID)}`;
