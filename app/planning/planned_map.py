@@ -50,4 +50,5 @@ def expected_datum(centres_m: npt.NDArray[np.float64], survey: MapExpectation) -
         return Datum(origin_m, np.zeros((SEVEN, SEVEN)))
     chosen = farthest_first(centres_m, min(survey.control_points, len(centres_m)))
     jacobian = Datum(origin_m, np.zeros((SEVEN, SEVEN))).point_jacobian(centres_m[chosen]).reshape(-1, SEVEN)
-    return Datum(origin_m, survey.control_sigma_m**2 * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-9))
+    covariance = survey.control_sigma_m**2 * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-9)
+    return Datum(np.asarray(origin_m, dtype=np.float64), np.asarray(covariance, dtype=np.float64))

@@ -1,4 +1,4 @@
-"""Which targets can be seen from where, whatever the camera's heading: front, incidence, distance, and walls between."""
+"""Which targets can be seen from where, whatever the heading: front, incidence, distance, and walls between."""
 
 from __future__ import annotations
 
