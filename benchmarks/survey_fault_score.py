@@ -31,7 +31,8 @@ class FaultScore:
     faults : int
         That were put in.
     detected : int
-        That did no harm or are named: false sightings that take no part, targets that are not published, photographs
+        That did no harm or are named: false sightings that take no part, targets that are not published or are known
+        to be of another print batch, photographs
         that have no pose or have lost what is false, control that is refused.
     named : int
         Of these, with the right reason or among the suspects.
@@ -94,10 +95,10 @@ def _score(kind: str, faulty: Faulty, result: SurveyResult | InvalidControlPoint
         return FaultScore(kind, faulty.count, len(faulty.points), len(faulty.points) * right, int(not faulty.points), 0)
     said = _Said(result)
     detected = sum(said.is_out(*sighting) for sighting in faulty.sightings)
-    detected += sum(code not in said.published for code in faulty.targets)
+    detected += sum(code not in said.published or code in said.resized for code in faulty.targets)
     detected += sum(said.knows_photo(name) for name in faulty.bad_photos)
     named = sum(said.names_sighting(*sighting) for sighting in faulty.sightings)
-    named += sum(said.reasons.get(code) == faulty.reason for code in faulty.targets)
+    named += sum(said.reasons.get(code) == faulty.reason or code in said.resized for code in faulty.targets)
     named += sum(said.knows_photo(name) for name in faulty.bad_photos)
     alarms = sum(
         sighting not in faulty.sightings and sighting[0] not in faulty.bad_photos and sighting[1] not in faulty.targets
@@ -106,6 +107,7 @@ def _score(kind: str, faulty: Faulty, result: SurveyResult | InvalidControlPoint
     alarms += sum(
         reason not in ("rays", "angle") and code not in faulty.targets for code, reason in said.reasons.items()
     )
+    alarms += len(said.resized - faulty.targets)
     before = {name for name, _ in clean.unoriented}
     alarms += sum(name not in before and name not in faulty.bad_photos for name in said.unoriented)
     others = clean.target_map.by_code.keys() - faulty.targets
@@ -120,6 +122,8 @@ class _Said:
         self.published = set(result.target_map.by_code)
         self.reasons = {record.code: record.reason for record in result.report.left_out}
         self.false = {(record.photo, record.code) for record in result.report.false_sightings}
+        batches = (batch.codes for batch in result.report.print_batches if batch.found)
+        self.resized = {code for codes in batches for code in codes}
         self.unoriented = {name for name, _ in result.unoriented}
 
     def is_out(self, photo: str, code: int) -> bool:

@@ -12,6 +12,7 @@ from app.photogrammetry.bundle import Adjusted, BundleOptions, adjust_bundle
 from app.photogrammetry.bundle_normals import squared_residuals
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.free_adjustment import Part, adjust_robustly, held_photo, part_problem, rows_among, standing
+from app.photogrammetry.grouped_prints import dissolved, with_batches, with_prints
 from app.photogrammetry.growth import Growth
 from app.photogrammetry.place_targets import place_targets
 from app.photogrammetry.plate_faults import fit_plates
@@ -112,22 +113,35 @@ def clean_network(growth: Growth, options: QualityOptions, on_step: Callable[[],
     """Adjust a grown network and leave out what is false."""
     every = growth.problem.sightings
     state = _State(growth, every, np.zeros(len(every), dtype=np.bool_), np.zeros(len(every)))
-    for _ in range(options.most_rounds):
+    regroupings = 0
+    for _ in range(options.most_rounds + options.most_regroupings):
         on_step()
         part, problem = held_part(state.growth)
         start = state.growth.network.among(part.photos, part.targets)
         network = adjust_robustly(problem, start, growth.capture_loss, growth.options)
         placed = state.growth.network.with_part(network, part.photos, part.targets)
         state = replace(state, growth=replace(state.growth, network=placed))
+        grouped = with_batches(state.growth, part, problem) if regroupings < options.most_regroupings else None
+        if grouped is not None:
+            state, regroupings = replace(state, growth=grouped), regroupings + 1
+            continue
         after = _without_false(state, part, problem, options)
         if after.kept.sum() == state.kept.sum():
             break
         state = after
     state = _readmitted(state, options)
+    part, problem, adjusted = _adjusted(state, on_step)
+    fewer = dissolved(problem, adjusted.network, state.growth.options.batches)
+    if fewer is not None:
+        state = replace(state, growth=with_prints(state.growth, part, *fewer))
+        part, problem, adjusted = _adjusted(state, on_step)
+    return CleanNetwork(state.growth, part, problem, adjusted, state.findings)
+
+
+def _adjusted(state: _State, on_step: Callable[[], None]) -> tuple[Part, BundleProblem, Adjusted]:
     part, problem = held_part(state.growth)
     start = state.growth.network.among(part.photos, part.targets)
-    adjusted = adjust_bundle(problem, start, BundleOptions(), on_step)
-    return CleanNetwork(state.growth, part, problem, adjusted, state.findings)
+    return part, problem, adjust_bundle(problem, start, BundleOptions(), on_step)
 
 
 def held_part(growth: Growth) -> tuple[Part, BundleProblem]:

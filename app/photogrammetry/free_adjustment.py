@@ -13,8 +13,10 @@ from app.photogrammetry.bundle import BundleOptions, adjust_bundle
 from app.photogrammetry.bundle_normals import squared_residuals
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.equations import PoseEquations
+from app.photogrammetry.found_batches import PlateScales, own_sizes
 from app.photogrammetry.growth import Growth, GrowthOptions
 from app.photogrammetry.network import POSE_COUNT, Network
+from app.photogrammetry.plate_faults import fit_plates
 from app.photogrammetry.robust import MEDIAN_LENGTH_2D, RobustLoss, robust_scale
 from app.photogrammetry.sightings import Sightings
 
@@ -22,6 +24,8 @@ Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
 
+SIZINGS = 3  # adjustments in which plates of another size are given it: each leaves a tenth of what was off
+LEAST_SCALE = 0.1  # of the stated sigmas: exact observations are synthetic
 ADJUSTED_RAYS = 2  # a target that one photograph sees adds nothing to an adjustment
 
 # Weight of the held photograph's pose. It is the only thing that fixes the frame, so any weight holds it exactly; this
@@ -70,7 +74,7 @@ def adjust_growth(growth: Growth) -> Growth:
     problem = part_problem(growth.problem, part)
     network = growth.network.among(part.photos, part.targets)
     problem = replace(problem, photo_poses=held_photo(network, 0))
-    network = adjust_robustly(problem, network, growth.capture_loss, growth.options)
+    network = _adjusted_with_sizes(problem, network, growth)
     squared = squared_residuals(problem, network)
     growth = replace(
         growth,
@@ -78,6 +82,26 @@ def adjust_growth(growth: Growth) -> Growth:
         adjusted_photos=int(growth.oriented.sum()),
     )
     return _without_strays(_with_mirrors_moved(growth, part), problem, part, squared)
+
+
+def _adjusted_with_sizes(problem: BundleProblem, network: Network, growth: Growth) -> Network:
+    """The network adjusted, and again while plates turn out to be of another size than their batch."""
+    for _ in range(SIZINGS):
+        network = adjust_robustly(problem, network, growth.capture_loss, growth.options)
+        scales = plate_scales(problem, network, growth.options)
+        sized = own_sizes(problem.prints, network.print_scale, scales, growth.options.batches)
+        changed = np.abs(sized - network.print_scale).max() > growth.options.batches.least_apart
+        network = replace(network, print_scale=sized)
+        if not changed:
+            break
+    return network
+
+
+def plate_scales(problem: BundleProblem, network: Network, options: GrowthOptions) -> PlateScales:
+    """The print scale of each plate by itself, as an adjusted network shows it."""
+    sigma0 = max(robust_scale(_measured_squares(problem, network)), LEAST_SCALE)
+    fits = fit_plates(problem, network, RobustLoss("cauchy", options.loss_width * sigma0))
+    return PlateScales.of(fits, network.print_scale, sigma0, options.batches)
 
 
 def standing(growth: Growth, fewest_targets: int = 1) -> Part:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.photogrammetry.bundle_problem import BundleProblem
+from app.photogrammetry.found_batches import BatchOptions
 from app.photogrammetry.network import Network
 from app.photogrammetry.robust import RobustLoss
 
@@ -53,6 +54,7 @@ class GrowthOptions:
     strayed : float
         After an adjustment a target or photograph whose residuals exceed the others' by this factor, and the
         tolerance, is taken out and tried anew.
+    batches : BatchOptions
     """
 
     tolerance: float = 0.005
@@ -68,6 +70,7 @@ class GrowthOptions:
     adjusted_share: float = 0.01
     loss_width: float = 3.0
     strayed: float = 5.0
+    batches: BatchOptions = field(default_factory=BatchOptions)
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,8 @@ class PlateFits:
     ----------
     stretch : ndarray of shape (T, 2)
         Along x and y, relative to the other plates.
+    stretch_covariance : ndarray of shape (T, 2, 2)
+        Of both, as the dots' covariances promise.
     bend_m : ndarray of shape (T,)
         Root mean square of the dots' heights over their best plane.
     displacement_m : ndarray of shape (T,)
@@ -41,6 +43,7 @@ class PlateFits:
     """
 
     stretch: Array
+    stretch_covariance: Array
     bend_m: Array
     displacement_m: Array
     gain: Array
@@ -78,26 +81,29 @@ def _bend_shapes(plane_m: Array) -> Array:
     return np.asarray(shapes - shapes.mean(axis=0))
 
 
-def _least_step(normals: Array, right: Array) -> Array:
-    """Solutions, shape (T, k, 1), that leave at zero what the dots do not show.
+def _least_inverse(normals: Array) -> Array:
+    """Inverses, shape (T, k, k), whose solutions leave at zero what the dots do not show.
 
     The five base dots lie on the plate's diagonals, where x^2 and y^2 are one: a plate of which nothing else was ever
     measured hides half of its bends.
     """
     scale = 1.0 / np.sqrt(np.einsum("tii->ti", normals))[..., None]
     scaled = scale * normals * np.swapaxes(scale, -1, -2)
-    return scale * (np.linalg.pinv(scaled, rcond=UNSEEN_SHARE, hermitian=True) @ (scale * right))
+    return np.asarray(scale * np.linalg.pinv(scaled, rcond=UNSEEN_SHARE, hermitian=True) * np.swapaxes(scale, -1, -2))
 
 
 def _solved(normals: Array, plane_m: Array, shapes: Array) -> PlateFits:
+    printed = slice(POSE_COUNT, POSE_COUNT + PRINT_COUNT)
     pose, every = slice(0, POSE_COUNT), slice(0, POSE_COUNT + FAULT_COUNT)
     right = normals[:, every, -1:]
-    step = -_least_step(normals[:, every, every], right)
+    inverse = _least_inverse(normals[:, every, every])
+    step = -inverse @ right
     with_faults = -(right * step).sum(axis=(1, 2))
     pose_step = -np.linalg.solve(normals[:, pose, pose], right[:, pose])
     without = -(right[:, pose] * pose_step).sum(axis=(1, 2))
-    stretch, bend = step[:, POSE_COUNT : POSE_COUNT + PRINT_COUNT, 0], step[:, POSE_COUNT + PRINT_COUNT :, 0]
+    stretch, bend = step[:, printed, 0], step[:, POSE_COUNT + PRINT_COUNT :, 0]
     stretch = stretch - np.median(stretch, axis=0)  # what all plates share is the print scale, not a fault
     bend_m = np.sqrt(((bend @ shapes.T) ** 2).mean(axis=-1))
     stretch_m2 = ((stretch[:, None] * plane_m) ** 2).sum(axis=-1).mean(axis=-1)
-    return PlateFits(stretch, bend_m, np.sqrt(stretch_m2 + bend_m**2), with_faults - without)
+    covariance = inverse[:, printed, printed]
+    return PlateFits(stretch, covariance, bend_m, np.sqrt(stretch_m2 + bend_m**2), with_faults - without)

@@ -21,23 +21,28 @@ class Prints:
 
     Attributes
     ----------
-    batch : ndarray of shape (T,)
-        Of each target.
+    batch, listed : ndarray of shape (T,)
+        Of each target: the one that it shows to be of, and the one that it was listed in.
     expected : ndarray of shape (B, 2)
         Printed over nominal length along the plates' x and y.
     sigma : ndarray of shape (B,)
         Standard deviation of each of the two.
     held : ndarray of shape (B,), bool
         Batches whose scale is no unknown.
+    found : ndarray of shape (B,), bool
+        Batches that nobody listed: the photographs show that their plates are not of the others' size.
     """
 
     batch: Index
+    listed: Index
     expected: Array
     sigma: Array
     held: Mask
+    found: Mask
 
     def __post_init__(self) -> None:
-        if self.expected.shape != (len(self.sigma), PRINT_COUNT) or len(self.held) != len(self.sigma):
+        shapes = {len(self.sigma), len(self.held), len(self.found)}
+        if self.expected.shape != (len(self.sigma), PRINT_COUNT) or len(shapes) > 1:
             raise ValueError("each print batch needs two expected scales and a sigma")
         if not (self.sigma > 0).all() or not (self.expected > 0).all():
             raise ValueError("print scales and their sigmas are positive")
@@ -64,7 +69,7 @@ class Prints:
 
     def among(self, targets: Index) -> Prints:
         """Of some of the targets, renumbered by their place in the list; repeated ones count as often."""
-        return replace(self, batch=self.batch[targets])
+        return replace(self, batch=self.batch[targets], listed=self.listed[targets])
 
     def off(self, print_scale: Array) -> Array:
         """Present minus expected scale of each batch, shape (B, 2); zero where no target shows it."""
@@ -94,5 +99,5 @@ class Prints:
 
 def one_batch(targets: int, sigma: float, held: bool = False) -> Prints:
     """All targets of one batch, printed at nominal size as far as is known."""
-    expected = np.ones((1, PRINT_COUNT))
-    return Prints(np.zeros(targets, dtype=np.intp), expected, np.array([sigma]), np.array([held]))
+    batch, expected = np.zeros(targets, dtype=np.intp), np.ones((1, PRINT_COUNT))
+    return Prints(batch, batch, expected, np.array([sigma]), held=np.array([held]), found=np.array([False]))

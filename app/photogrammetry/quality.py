@@ -46,6 +46,8 @@ class QualityOptions:
         Between two of its rays: 5 degrees.
     most_rounds : int
         Adjustments after which no more is left out: the worst goes first, and what it hid later.
+    most_regroupings : int
+        Adjustments more in which plates may change their print batch.
     """
 
     gross_sigmas: float = 5.0
@@ -58,6 +60,7 @@ class QualityOptions:
     fewest_control_rays: int = 2
     least_angle_rad: float = float(np.deg2rad(5.0))
     most_rounds: int = 15
+    most_regroupings: int = 4
 
 
 def residual_scale(problem: BundleProblem, squared: Array, options: QualityOptions) -> float:

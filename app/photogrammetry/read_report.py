@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -18,7 +18,7 @@ def report_from_json(record: Mapping[str, Any]) -> AdjustmentReport:
     Raises
     ------
     ValueError
-        When the record lacks a member, as one of an older version may, or holds another thing.
+        When the record lacks a member that has no default, as one of an older version may, or holds another thing.
     """
     try:
         report = _read(AdjustmentReport, record)
@@ -41,5 +41,6 @@ def _read(kind: Any, value: Any) -> Any:
         return np.array(value, dtype=scalar)
     if is_dataclass(kind) and isinstance(kind, type):
         hints = get_type_hints(kind)
-        return kind(**{field.name: _read(hints[field.name], value[field.name]) for field in fields(kind)})
+        told = [field.name for field in fields(kind) if field.name in value or field.default is MISSING]
+        return kind(**{name: _read(hints[name], value[name]) for name in told})
     return kind(value)

@@ -99,11 +99,41 @@ class ControlRecord:
 
 @dataclass(frozen=True)
 class PrintRecord:
-    """Printed over nominal length along x and y, with sigmas; held at 1 without control points."""
+    """Of the batch of most targets; held as it was expected without control points."""
 
     scale: Array
     sigmas: Array
     held: bool
+
+
+@dataclass(frozen=True)
+class PrintBatchRecord:
+    """Targets of one print scale: printed over nominal length along x and y, with sigmas.
+
+    Attributes
+    ----------
+    name : str
+        As listed; empty for targets on no list and for batches that the survey found.
+    found : bool
+        Whether the photographs show a batch that nobody listed.
+    codes : tuple of int
+    scale, sigmas : ndarray of shape (2,)
+    held : bool
+        Whether the map takes its scale from this batch, having no control points.
+    measured : ndarray of shape (2,) or None
+        What the check bars say.
+    measured_sigma : float
+        What was trusted in advance.
+    """
+
+    name: str
+    found: bool
+    codes: tuple[int, ...]
+    scale: Array
+    sigmas: Array
+    held: bool
+    measured: Array | None
+    measured_sigma: float
 
 
 @dataclass(frozen=True)
@@ -141,6 +171,8 @@ class AdjustmentReport:
         What the surveyor should know before signing.
     image_residuals : tuple of ImageResiduals
         Of the photographs of each of ``cameras``.
+    print_batches : tuple of PrintBatchRecord
+        Listed ones, then those that were found; none in reports of earlier releases.
     """
 
     sigma0: float
@@ -162,6 +194,7 @@ class AdjustmentReport:
     false_sightings: tuple[FalseSightingRecord, ...]
     warnings: tuple[str, ...]
     image_residuals: tuple[ImageResiduals, ...]
+    print_batches: tuple[PrintBatchRecord, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """A JSON-ready record of all fields, arrays as lists."""

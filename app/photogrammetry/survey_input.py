@@ -67,6 +67,8 @@ class SurveyInput:
     codes : ndarray of shape (T,), int
     identities : tuple of CameraIdentity
         Of the C cameras.
+    batch_names : tuple of str
+        Of the print batches, the first one empty: targets on no list.
     refused : tuple of Unoriented
         Photographs that could not take part.
     """
@@ -75,6 +77,7 @@ class SurveyInput:
     names: tuple[str, ...]
     codes: Index
     identities: tuple[CameraIdentity, ...]
+    batch_names: tuple[str, ...]
     refused: tuple[Unoriented, ...]
 
 
@@ -102,9 +105,8 @@ def read_survey(photos: Sequence[SurveyPhoto], plate: PlateSpec) -> SurveyInput:
         _prints(codes, plate.batches),
     )
     identities = tuple(next(photo.identity for photo in ordered if photo.identity.key == key) for key in keys)
-    return SurveyInput(
-        _with_poses_only(problem), tuple(photo.name for photo in ordered), codes, identities, (*empty, *strangers)
-    )
+    names, batches = tuple(photo.name for photo in ordered), ("", *(batch.name for batch in plate.batches))
+    return SurveyInput(_with_poses_only(problem), names, codes, identities, batches, (*empty, *strangers))
 
 
 def _prints(codes: Index, batches: Sequence[PrintBatch]) -> Prints:
@@ -114,7 +116,8 @@ def _prints(codes: Index, batches: Sequence[PrintBatch]) -> Prints:
         batch[np.isin(codes, one.codes)] = number
     expected = np.array([(1.0, 1.0), *(one.scale_xy for one in batches)])
     sigma = np.array([PRINT_SIGMA, *(one.scale_sigma for one in batches)])
-    return Prints(batch, expected, sigma, np.ones(len(sigma), dtype=np.bool_))
+    every = np.ones(len(sigma), dtype=np.bool_)
+    return Prints(batch, batch, expected, sigma, held=every, found=~every)
 
 
 def _check_names(photos: Sequence[SurveyPhoto]) -> None:

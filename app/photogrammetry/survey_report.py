@@ -12,7 +12,7 @@ from app.geometry.control import ControlPoint, Role
 from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.control import match_points
 from app.photogrammetry.image_residuals import ImageResiduals, image_residuals
-from app.photogrammetry.print_records import print_scales
+from app.photogrammetry.print_records import batch_records, batch_warnings, largest_print
 from app.photogrammetry.report import (
     AdjustmentReport,
     CameraRecord,
@@ -21,7 +21,6 @@ from app.photogrammetry.report import (
     FalseSightingRecord,
     LeftOutRecord,
     PhotoRecord,
-    PrintRecord,
     TargetRecord,
     UnorientedRecord,
 )
@@ -46,6 +45,7 @@ def write_report(
     control, control_rmse_m = _points(outcome, "control")
     check, check_rmse_m = _points(outcome, "check")
     degrees_of_freedom = redundancy(solution.problem)
+    batches = batch_records(solution, outcome.codes, survey.batch_names)
     return AdjustmentReport(
         # The image weights were scaled once by what the free network showed.
         sigma0=site.components.sigma0 * float(np.sqrt(site.adjusted.cost / degrees_of_freedom)),
@@ -55,7 +55,8 @@ def write_report(
         steps=site.adjusted.steps,
         converged=site.adjusted.converged,
         datum=_datum(solution),
-        print_scale=_print_scale(solution),
+        print_scale=largest_print(solution),
+        print_batches=batches,
         cameras=tuple(_camera(*pair) for pair in zip(survey.identities, cameras, strict=True) if pair[1].photographs),
         control=(*control, *check),
         control_rmse_m=control_rmse_m,
@@ -65,7 +66,7 @@ def write_report(
         targets=_targets(outcome),
         left_out=tuple(left_out),
         false_sightings=_false_sightings(outcome),
-        warnings=(*site.warnings, *_warnings(outcome)),
+        warnings=(*site.warnings, *batch_warnings(batches), *_warnings(outcome)),
         image_residuals=_image_residuals(outcome, cameras),
     )
 
@@ -91,13 +92,6 @@ def _datum(solution: Solution) -> DatumRecord:
     return DatumRecord(
         datum.origin_m, sigma[:3], sigma[3:6], float(sigma[6]), datum.assumed_scale, datum.assumed_orientation
     )
-
-
-def _print_scale(solution: Solution) -> PrintRecord:
-    prints = solution.problem.prints
-    scale, variances = print_scales(solution)
-    largest = int(prints.sizes.argmax())
-    return PrintRecord(scale[largest], np.sqrt(variances[largest]), bool(prints.held[largest]))
 
 
 def _camera(identity: CameraIdentity, camera: SelfCalibration) -> CameraRecord:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from app.photogrammetry.report import AdjustmentReport, PrintRecord
+from app.photogrammetry.report import AdjustmentReport, PrintBatchRecord, PrintRecord
 from app.services.reporting.document import Facts, Figure, Section
 from app.services.reporting.numbers import MDEG_PER_DEG, MM_PER_M, count, fixed, metres, signed_percent
 from app.services.survey_report.figures.plan_view import plan_view
@@ -13,6 +13,7 @@ from app.services.survey_report.material import ReportMaterial
 
 PARTS_PER_MILLION = 1e6
 PERCENT = 100.0
+CODES_TOLD = 12  # of a print batch; the JSON report holds them all
 
 
 def adjustment(material: ReportMaterial) -> Section:
@@ -29,7 +30,7 @@ def adjustment(material: ReportMaterial) -> Section:
             f"{fixed(part.dots, 2)}: errors that a plate's dots share are weighted by these",
         ),
         ("Steps", f"{report.steps}, {'converged' if report.converged else 'NOT converged'}"),
-        ("Print scale", _print_scale(report.print_scale)),
+        *_prints(report),
         *_datum(report),
     )
     return Section("Adjustment", (Facts(lines),))
@@ -41,9 +42,28 @@ def plan(material: ReportMaterial) -> Section:
     return Section("Plan view", (figure,))
 
 
-def _print_scale(record: PrintRecord) -> str:
+def _prints(report: AdjustmentReport) -> tuple[tuple[str, str], ...]:
+    """The print scale, or that of each batch."""
+    if len(report.print_batches) <= 1:
+        return (("Print scale", _print_scale(report.print_scale)),)
+    return tuple((_heading(one), f"{_print_scale(one)}; {_seen_in(one)}") for one in report.print_batches)
+
+
+def _heading(batch: PrintBatchRecord) -> str:
+    if batch.found:
+        return "Print batch found"
+    return f"Print batch {batch.name}" if batch.name else "Prints on no list"
+
+
+def _seen_in(batch: PrintBatchRecord) -> str:
+    codes = ", ".join(str(code) for code in batch.codes[:CODES_TOLD])
+    more = f" and {len(batch.codes) - CODES_TOLD} more" if len(batch.codes) > CODES_TOLD else ""
+    return f"{count(len(batch.codes))} targets ({codes}{more})"
+
+
+def _print_scale(record: PrintRecord | PrintBatchRecord) -> str:
     if record.held:
-        return "held at the nominal size, since no control points fix the scale"
+        return "held at what was expected, since no control points fix the scale"
     axes = [
         f"{axis} {signed_percent(scale)} ± {fixed(PERCENT * sigma, 3)} %"
         for axis, scale, sigma in zip("xy", record.scale.tolist(), record.sigmas.tolist(), strict=True)
