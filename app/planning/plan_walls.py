@@ -81,12 +81,15 @@ def read_wall(field: Field, number: int) -> list[Wall]:
     if "outline_m" in members:
         ring = np.array([corner.vector(2) for corner in members["outline_m"].items()]).reshape(-1, 2)
         faces = members["faces"].one_of(FACES) if "faces" in members else "inwards"
-        return _of_outline(name, members["outline_m"], ring, (faces, heights_m, rgb))
+        try:
+            return walls_of_outline(name, ring, faces, heights_m, rgb)
+        except ValueError as error:
+            raise members["outline_m"].error(str(error)) from None
     start, end = (field.needed(members, part).vector(2, 3) for part in ("from_m", "to_m"))
     if np.allclose(start[:2], end[:2]):
         raise field.error("from_m and to_m are the same place")
     low = float(start[2]) if len(start) > 2 else heights_m[0]
-    return [_upright(name, start[:2], end[:2], (low, low + heights_m[1] - heights_m[0]), rgb)]
+    return [upright_wall(name, start[:2], end[:2], (low, low + heights_m[1] - heights_m[0]), rgb)]
 
 
 def _heights(field: Field, members: dict[str, Field]) -> tuple[float, float]:
@@ -106,7 +109,9 @@ def _three(field: Field) -> list[Field]:
     return items
 
 
-def _upright(name: str, left_m: Array, right_m: Array, heights_m: tuple[float, float], rgb: Rgb | None) -> Wall:
+def upright_wall(
+    name: str, left_m: Array, right_m: Array, heights_m: tuple[float, float], rgb: Rgb | None = None
+) -> Wall:
     """An upright wall; ``left_m`` and ``right_m`` as who stands before its front sees them."""
     along = np.append(right_m - left_m, 0.0)
     middle = np.append((left_m + right_m) / 2, sum(heights_m) / 2)
@@ -130,16 +135,24 @@ def _of_corners(name: str, field: Field, rgb: Rgb | None) -> Wall:
     return Wall(name, pose_facing(np.cross(right, up), up, points.mean(axis=0)), *sides, rgb)
 
 
-def _of_outline(name: str, field: Field, ring: Array, how: tuple[str, tuple[float, float], Rgb | None]) -> list[Wall]:
-    faces, heights_m, rgb = how
+def walls_of_outline(
+    name: str, ring: Array, faces: str, heights_m: tuple[float, float], rgb: Rgb | None = None
+) -> list[Wall]:
+    """Upright walls along a closed outline of corners (N, 2): ``inwards`` of a room, ``outwards`` of a pillar.
+
+    Raises
+    ------
+    ValueError
+        When the outline encloses nothing.
+    """
     if len(ring) < 3:
-        raise field.error("an outline has three corners or more")
+        raise ValueError("an outline has three corners or more")
     following = np.roll(ring, -1, axis=0)
     if (np.linalg.norm(following - ring, axis=1) == 0).any():
-        raise field.error("two corners that follow each other are the same; the last one leads back to the first")
+        raise ValueError("two corners that follow each other are the same; the last one leads back to the first")
     area_m2 = float((ring[:, 0] * following[:, 1] - ring[:, 1] * following[:, 0]).sum()) / 2
     if area_m2 == 0:
-        raise field.error("the outline encloses nothing")
+        raise ValueError("the outline encloses nothing")
     anticlockwise = ring if (area_m2 > 0) == (faces == "inwards") else ring[::-1]
     return _ring([f"{name}.{index + 1}" for index in range(len(ring))], anticlockwise, heights_m, rgb)
 
@@ -149,4 +162,4 @@ def _ring(
 ) -> list[Wall]:
     """Walls along an anticlockwise ring, looking inwards: there the ring runs from right to left."""
     ends = np.roll(ring, -1, axis=0)
-    return [_upright(name, end, start, heights_m, rgb) for name, start, end in zip(names, ring, ends, strict=True)]
+    return [upright_wall(name, end, start, heights_m, rgb) for name, start, end in zip(names, ring, ends, strict=True)]
