@@ -1,0 +1,128 @@
+"""The room in three dimensions: what is drawn, what is picked, what it costs; and the same facts without it."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from tests.api.serving import Served
+from tests.web.conftest import watched_context
+from tests.web.large_site import PHOTOS, POSES, TARGETS, large_site
+from tests.web.prebuilt import Room
+
+# Grid, axes, plates, codes, ellipsoids, frusta, points, poses with and without a direction, ring, rays.
+DRAW_CALLS = 11
+SCREENSHOT = Path(__file__).parents[2] / "docs" / "images" / "room.png"
+NO_WEBGL = """const context = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+  return kind.startsWith("webgl") ? null : context.call(this, kind, ...rest);
+};"""
+
+
+def drawn(page: Page) -> Locator:
+    """The canvas after its first frame."""
+    canvas = page.locator("canvas[data-draw-calls]")
+    expect(canvas).to_be_visible()
+    return canvas
+
+
+def panel(page: Page) -> Locator:
+    return page.get_by_role("region", name="Picked")
+
+
+@pytest.fixture
+def flat_page(chromium: Browser, web_served: Served) -> Iterator[Page]:
+    """Of a browser that draws nothing in three dimensions."""
+    context, watched = watched_context(chromium, web_served)
+    context.add_init_script(NO_WEBGL)
+    yield context.new_page()
+    context.close()
+    assert not watched.faults
+
+
+def test_a_surveyed_room_is_looked_at_and_picked(page: Page, web_room: Room, web_served: Served) -> None:
+    published = web_served.client.get(f"/sites/{web_room.site_id}/targets").json()
+    target = published["targets"][5]
+    page.goto(f"/#/sites/{web_room.site_id}/room?code={target['code']}")
+    canvas = drawn(page)
+    facts = panel(page)
+    expect(facts.get_by_role("heading", name=f"Target {target['code']}")).to_be_visible()
+    for coordinate_m, sigma_m in zip(target["position_m"], target["sigma_m"], strict=True):
+        expect(facts).to_contain_text(f"{coordinate_m:.4f} m")
+        expect(facts).to_contain_text(f"{1000 * sigma_m:.2f} mm")
+    seen_in = facts.get_by_role("listitem")
+    expect(seen_in).to_have_count(target["rays"])
+
+    # Brought into the middle, it is what a click there picks again.
+    facts.get_by_role("button", name="Look at it").click()
+    facts.get_by_role("button", name="Clear").click()
+    expect(facts).to_have_count(0)
+    page.locator("canvas").scroll_into_view_if_needed()
+    canvas.click()
+    expect(facts.get_by_role("heading", name=f"Target {target['code']}")).to_be_visible()
+    assert f"code={target['code']}" in page.url
+
+    # From the target to a photograph that shows it, and back.
+    seen_in.first.get_by_role("button").click()
+    expect(facts.get_by_role("heading", name="Photograph")).to_be_visible()
+    facts.get_by_role("button", name=str(target["code"]), exact=True).click()
+    expect(facts.get_by_role("heading", name=f"Target {target['code']}")).to_be_visible()
+    if os.environ.get("SCATTERMARK_SCREENSHOTS") == "1":
+        page.screenshot(path=SCREENSHOT)
+
+
+def test_views_layers_ellipsoids_and_the_keyboard(page: Page, web_room: Room) -> None:
+    page.goto(f"/#/sites/{web_room.site_id}/room")
+    canvas = drawn(page)
+    for name in ("Plan", "Isometric", "Walk"):
+        page.get_by_role("button", name=name, exact=True).click()
+        expect(canvas).to_have_attribute("data-view", name.lower())
+    page.get_by_role("button", name="Step forward").click()
+    canvas.press("ArrowLeft")
+    page.get_by_role("button", name="Room", exact=True).click()
+    page.get_by_role("slider", name="Ellipsoids enlarged by").fill("6")
+    expect(page.get_by_test_id("scale")).to_contain_text("10 cm in the room are 1.0 mm")
+    expect(page.get_by_role("button", name="Poses")).not_to_contain_text("Poses 0")
+    calls = int(canvas.get_attribute("data-draw-calls") or 0)
+    assert calls <= DRAW_CALLS
+    for layer in ("Codes", "Photographs", "Grid and axes"):
+        page.get_by_role("checkbox", name=layer).uncheck()
+    expect(canvas).to_have_attribute("data-draw-calls", str(calls - 4))
+
+    page.get_by_role("button", name="Control points").click()
+    row = page.get_by_role("region", name="Control points").get_by_role("row").nth(1)
+    row.focus()
+    row.press("Enter")
+    expect(panel(page)).to_contain_text("Distance")
+    page.get_by_role("button", name="Poses").click()
+    page.get_by_role("region", name="Poses").get_by_role("row").nth(1).click()
+    expect(panel(page)).to_contain_text("Located pose")
+    expect(panel(page).get_by_role("link", name="phone")).to_be_visible()
+
+
+def test_a_hall_and_ten_thousand_poses_take_no_more_draw_calls(page: Page, web_served: Served) -> None:
+    page.goto(f"/#/sites/{large_site(web_served)}/room")
+    canvas = drawn(page)
+    expect(canvas).to_have_attribute("data-instances", str(TARGETS + PHOTOS + POSES))
+    assert int(canvas.get_attribute("data-draw-calls") or 0) <= DRAW_CALLS
+    page.get_by_role("button", name="Plan", exact=True).click()
+    expect(canvas).to_have_attribute("data-view", "plan")
+    assert int(canvas.get_attribute("data-draw-calls") or 0) <= DRAW_CALLS
+    expect(page.get_by_role("region", name="Targets").get_by_role("row")).to_have_count(TARGETS + 1)
+
+
+def test_without_webgl_the_tables_tell_the_same(flat_page: Page, web_room: Room, web_served: Served) -> None:
+    target = web_served.client.get(f"/sites/{web_room.site_id}/targets").json()["targets"][0]
+    flat_page.goto(f"/#/sites/{web_room.site_id}/room")
+    expect(flat_page.get_by_text("cannot draw in three dimensions")).to_be_visible()
+    expect(flat_page.locator("canvas")).to_have_count(0)
+    row = flat_page.get_by_role("row").filter(has_text=str(target["code"])).first
+    row.press("Enter")
+    expect(panel(flat_page).get_by_role("heading", name=f"Target {target['code']}")).to_be_visible()
+
+
+def test_a_site_without_a_map_says_what_to_do(page: Page, web_served: Served) -> None:
+    page.goto(f"/#/sites/{web_served.new_site(name='Bare')}/room")
+    expect(page.get_by_text("No target map yet")).to_be_visible()
