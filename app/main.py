@@ -16,6 +16,7 @@ from app.jobs.pool import WorkerPool
 from app.services.access_upkeep import AccessUpkeep
 from app.services.alerts import MapWatch
 from app.services.calibration_request import CalibrationDesk
+from app.services.coverage import Planner
 from app.services.evaluations import Evaluator
 from app.services.gatekeeper import AccessRules, Gatekeeper
 from app.services.keys import ensure_bootstrap_key
@@ -95,6 +96,7 @@ async def run_services(settings: Settings) -> AsyncIterator[Services]:
                 importer=TrajectoryImporter(locating, settings.evaluate_timeout_s, settings.data_dir),
                 reports=ReportWriter(locating, settings.report_timeout_s),
                 printer=SheetPrinter(locating, settings.report_timeout_s),
+                planner=Planner(locating, settings.report_timeout_s),
                 guide=guide,
                 viewer=PhotoViewer(database, photos, locating, view_limits(settings)),
                 map_watch=MapWatch(database, locating, settings.evaluate_timeout_s),

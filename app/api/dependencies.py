@@ -12,6 +12,7 @@ from pydantic import AfterValidator
 from app.errors import NotFound
 from app.services.alerts import MapWatch
 from app.services.calibration_request import CalibrationDesk
+from app.services.coverage import Planner
 from app.services.evaluations import Evaluator
 from app.services.gatekeeper import Gatekeeper
 from app.services.locate import Locator
@@ -55,6 +56,7 @@ class Services:
     guide: SurveyGuide
     viewer: PhotoViewer
     printer: SheetPrinter
+    planner: Planner
     bell: TrajectoryBell
     importer: TrajectoryImporter
     evaluator: Evaluator
