@@ -42,8 +42,7 @@ class InkOptions:
     base_red_min : float
         Red of a base dot over the median of the plate's five: what a shadow leaves; below, something covers it.
     base_off_red_max : float
-        Green or blue of a base dot over its red, above or below the plate's black: ink has 0.02, over-exposed ink 0.3,
-        skin and wood 0.5 and more; red dots on a green cloth lie below by more than their red.
+        Green or blue of a base dot over its red: ink has 0.02, over-exposed ink 0.3, skin and wood 0.5 and more.
     white_red : float
         Half-way between green or black (0) and white (1-1.5) on the red axis.
     green_green : float

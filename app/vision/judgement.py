@@ -39,8 +39,14 @@ class JudgementOptions:
         green and blue at most this part of its own red: wrong structure.
     background_max : float
         The plate's black over the red amplitude: 0.3 in even light, 1.5 under a reflection.
+    below_black_max : tuple of float
+        Of a plate that is weakly explained, and of any: how far the base dots' green or blue may lie below the plate's
+        black, mean of the five over the red amplitude. Ink has as little of both as black, whatever light a film
+        mirrors on top; red dots on grey or green ground take 0.4 to 1.7 of it away.
     explained_min : float
         Part of the picture's variance that the plate's model explains.
+    explained_surely : float
+        Below, a plate is weakly explained: red dots on cloth and wall mostly reach 0.7 to 0.77.
     misfit_max_u : float
         Root mean square of the dots about the plate's homography: a tenth of a radius on flat plates.
     misfit_noise_px : float
@@ -54,7 +60,9 @@ class JudgementOptions:
     uneven_max: float = 0.8
     red_digit: tuple[float, float] = (0.6, 0.25)
     background_max: float = 2.0
+    below_black_max: tuple[float, float] = (0.34, 1.0)
     explained_min: float = 0.7
+    explained_surely: float = 0.82
     misfit_max_u: float = 0.15
     misfit_noise_px: float = 0.25
     base_dots_min: int = 4
@@ -124,11 +132,14 @@ def judge_plates(
     uneven = np.sort(np.abs(base[..., RED] - inks.red_level[:, BASE]), axis=1)[:, options.base_dots_min - 1]
     allowed_px = np.hypot(options.misfit_max_u * fits.px_per_u, options.misfit_noise_px)
     measured_base = dots.measured[:, BASE].sum(axis=1)
+    below_black = -base[..., :RED].mean(axis=1).min(axis=1) / mean_red
+    weakly, always = options.below_black_max
     failed = {
         "outside-photo": dots.inside[:, BASE].sum(axis=1) < options.base_dots_min,
         "not-red": (~lacks_red(fits, inks, options)).sum(axis=1) < options.base_dots_min,
         "uneven-red": uneven > options.uneven_max * np.maximum(base[..., RED].mean(axis=1), 1.0),
-        "bright-background": fits.background.max(axis=1) > options.background_max * mean_red,
+        "bright-background": (fits.background.max(axis=1) > options.background_max * mean_red)
+        | (below_black > np.where(fits.explained() < options.explained_surely, weakly, always)),
         "not-a-plate": ~(fits.explained() > options.explained_min),
         "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min) | (measured_base < options.base_dots_min),
         "wrong-layout": ~(rms_px < allowed_px),

@@ -77,6 +77,18 @@ def washed_out(measured: Measured) -> Measured:
     return with_fits(measured, background=background)
 
 
+def on_green_ground(measured: Measured) -> Measured:
+    amplitudes = measured.fits.amplitudes.copy()
+    amplitudes[SPOILT, BASE, 1] = -1.2 * amplitudes[SPOILT, BASE, 2]
+    return with_fits(measured, amplitudes=amplitudes)
+
+
+def with_a_red_digit(measured: Measured) -> Measured:
+    amplitudes = measured.fits.amplitudes.copy()
+    amplitudes[SPOILT, DIGIT_CELLS[3]] = amplitudes[SPOILT, BASE].mean(axis=0)
+    return with_fits(measured, amplitudes=amplitudes)
+
+
 def unlike(measured: Measured) -> Measured:
     spread_rms = measured.fits.spread_rms.copy()
     spread_rms[SPOILT] = 1.5 * measured.fits.residual_rms[SPOILT]
@@ -125,6 +137,8 @@ def test_plates_stand(measured: Measured) -> None:
         (noisy, "not-red"),
         (patchy, "uneven-red"),
         (washed_out, "bright-background"),
+        (on_green_ground, "bright-background"),
+        (with_a_red_digit, "red-digit"),
         (unlike, "not-a-plate"),
         (cut_off, "outside-photo"),
         (sparse, "too-few-dots"),

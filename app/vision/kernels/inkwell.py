@@ -16,8 +16,6 @@ Digits = npt.NDArray[np.int8]
 BLUE, GREEN, RED = 0, 1, 2
 BLACK_DIGIT, GREEN_DIGIT, WHITE_DIGIT, HIDDEN_DIGIT = 0, 1, 2, -1
 BASE_COUNT = len(BASE_CELLS)
-# Green and blue below the plate's black count for half: neighbours pull small dots down by half of their red.
-BELOW_BLACK = 0.5
 
 
 @compiled("float64(float64[:, ::1], UniTuple(float64, 9), boolean[::1], float64[::1])")
@@ -30,8 +28,7 @@ def _read_base(amplitudes: Array, bounds: tuple[float, ...], red_base: Mask, bas
     for dot in range(BASE_COUNT):
         cell = BASE_CELLS[dot]
         base_red[dot] = amplitudes[cell, RED]  # they were put in order
-        blue, green = amplitudes[cell, BLUE], amplitudes[cell, GREEN]
-        off_red = max(max(blue, green), -BELOW_BLACK * min(blue, green))
+        off_red = max(amplitudes[cell, BLUE], amplitudes[cell, GREEN])
         pure = off_red <= off_red_max * max(base_red[dot], 1.0)
         red_base[dot] = pure and base_red[dot] > base_red_min * middle
         if not red_base[dot]:
