@@ -89,6 +89,8 @@ def _tell(arguments: argparse.Namespace, simulation: Simulation, rendered: Rende
         return
     photos = f"{told['survey']} photographs to survey and {told['locate']} to locate"
     print(f"{arguments.out}: {photos}, {told['targets']} targets, {told['control_points']} points, seed {told['seed']}")
+    each_s = rendered.cpu_s / (told["survey"] + told["locate"])
+    print(f"rendered in {each_s:.2f} s of processor time a photograph")
     for words, names in (
         ("targets that fewer than three photographs of the survey show wholly", told["seldom_seen"]),
         ("photographs that show no target wholly", told["without_target"]),

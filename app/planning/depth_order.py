@@ -92,6 +92,8 @@ def _box_px(outline_m: Floats, rays: RayGrid) -> tuple[int, int, int, int] | Non
 def _clip(polygon_m: Floats, normal: Floats, offset_m: float) -> Floats:
     """The part of a convex polygon, shape (N, 3), with ``normal . p >= offset_m`` (Sutherland and Hodgman)."""
     inside = polygon_m @ normal - offset_m
+    if (inside >= 0).all():
+        return polygon_m
     kept = []
     for here, there, at_here, at_there in zip(
         polygon_m, np.roll(polygon_m, -1, axis=0), inside, np.roll(inside, -1), strict=True
