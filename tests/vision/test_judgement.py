@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from app.targets.layout import DIGIT_CELLS
 from app.vision.centres import DotCentres, locate_dots, refine_homographies
 from app.vision.homography import PLATE_DOTS_U, apply_homographies, fit_homographies
 from app.vision.inks import BASE, DIGITS, InkReading, read_inks
