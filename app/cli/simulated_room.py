@@ -68,7 +68,8 @@ class Rendered:
 def write_room(simulation: Simulation, folder: Path, workers: int, report: Report) -> Rendered:
     """Render everything into a folder that is there and empty."""
     (folder / "control_points.csv").write_text(control_csv(simulation.control))
-    _write_json(folder / "targets_truth.json", targets_record(simulation.scene.targets, simulation.u_m))
+    targets = targets_record(simulation.scene.targets, simulation.u_m)
+    _write_json(folder / "targets_truth.json", {"seed": simulation.seed, **targets})
     shots = (*simulation.survey, *simulation.snapshots)
     files = [folder / "survey" / shot.stop.name for shot in simulation.survey]
     files += [folder / "locate" / shot.stop.name for shot in simulation.snapshots]
