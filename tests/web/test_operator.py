@@ -1,8 +1,9 @@
 """What the operator sees: health, jobs, storage, keys, audit; and the door where a key is shown."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
@@ -62,13 +63,16 @@ def test_health_jobs_and_storage_of_a_running_service(page: Page, web_room: Room
     row = page.get_by_role("row").filter(has_text=web_room.site_id)
     expect(row).to_contain_text("16")
     survey_id = web_served.new_survey(web_served.new_site(name="Empty"))
-    photo = next((Path(__file__).parents[2] / "examples" / "room" / "survey").glob("*.jpg")).read_bytes()
-    web_served.put_photo(survey_id, "only.jpg", photo)
+    for shade in (90, 110):
+        wall = np.full((240, 320, 3), shade, dtype=np.uint8)
+        jpeg = cv2.imencode(".jpg", wall)[1].tobytes()
+        assert web_served.put_photo(survey_id, f"wall-{shade}.jpg", jpeg).status_code == 201
     failed = web_served.build(survey_id)
     assert failed["state"] == "failed"
     page.get_by_role("link", name="Jobs", exact=True).click()
     row = page.get_by_role("row").filter(has_text=failed["error"]["detail"][:40])
     expect(row.first).to_contain_text("failed")
-    row.first.get_by_role("button", name="Try again").click()
+    with page.expect_response(lambda answer: answer.url.endswith(f"/jobs/{failed['job_id']}/retry")):
+        row.first.get_by_role("button", name="Try again").click()
+    assert web_served.wait(failed["job_id"])["finished_at"] > failed["finished_at"]
     expect(row.first).to_contain_text("failed")
-    assert len(web_served.client.get("/jobs", params={"state": "failed"}).json()["jobs"]) >= 1
