@@ -157,7 +157,8 @@ def _even_places(wish: PostWish) -> list[Place]:
     """At equal steps along all walls in their order, as if they were one."""
     ends_m = np.cumsum([wall.width_m for wall in wish.walls])
     along_m = (np.arange(wish.count) + 0.5) * ends_m[-1] / wish.count
-    if ends_m[-1] / wish.count < _sheet_m(wish.u_m):
+    two_rows = wish.heights_m[1] - wish.heights_m[0] >= _sheet_m(wish.u_m)
+    if ends_m[-1] / wish.count * (2 if two_rows else 1) < _sheet_m(wish.u_m):
         raise _full(wish)
     places: list[Place] = []
     for index, at_m in enumerate(along_m):
