@@ -12,6 +12,7 @@ from app.geometry.rotation import log_rotation
 from app.geometry.target_map import MappedTarget, TargetMap
 from app.photogrammetry.survey import PlateSpec, SurveyPhoto, SurveyResult, adjust_survey
 from app.services.extend_map import extend_map
+from app.services.tied_survey import Tie as TiedTo
 from app.services.tied_survey import adjust_tied
 from benchmarks.building import FAMILY, Building, BuildingOptions, build_building
 from benchmarks.building_views import U_M, ViewOptions, control_point, photograph, spread_control
@@ -107,7 +108,7 @@ def extension(seed: int) -> Tie:
     moved = {int(code) for code in rng.choice(codes, MOVED_PLATES, replace=False)}
     later = replace(building, plates={**building.plates, **{code: _pushed(building.plates[code]) for code in moved}})
     photos = photograph(later, ViewOptions(), seed + SECOND_NOISE)
-    survey = adjust_tied(photos, base.target_map, ())
+    survey = adjust_tied(photos, TiedTo(base.target_map))
     extended = extend_map(base.target_map, survey.target_map, ())
     seen_again = moved & survey.target_map.by_code.keys()
     came = [extended.target_map.by_code[code] for code in extended.added]

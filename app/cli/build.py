@@ -16,6 +16,7 @@ from app.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.geometry.control import ControlPoint
+    from app.geometry.print_batch import PrintBatch
 
 MM_PER_M = 1000.0
 
@@ -27,6 +28,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("photos", type=Path, nargs="+", help="photographs, or folders of them")
     parser.add_argument("--control", type=Path, metavar="CSV", help="control and check points; none: a free map")
+    parser.add_argument(
+        "--batches", type=Path, metavar="FILE", help="measured check bars of print batches, CSV or JSON"
+    )
     parser.add_argument("--out", type=Path, required=True, metavar="MAP.json", help="where the map goes")
     parser.add_argument("--report", type=report_path, metavar="FILE", help="the report to sign: .html, .pdf or .json")
     parser.add_argument("--site", metavar="NAME", help="the site's name in the report (the map file's)")
@@ -47,7 +51,8 @@ def run(arguments: argparse.Namespace) -> int:
     from app.vision.detectors import choose_detector
 
     detector = choose_detector(arguments.detector, arguments.strictness)
-    plate = PlateSpec(arguments.family, arguments.u_mm / MM_PER_M)
+    batches = read_batches(arguments.batches, arguments.family) if arguments.batches else ()
+    plate = PlateSpec(arguments.family, arguments.u_mm / MM_PER_M, batches)
     control = read_control(arguments.control, arguments.family) if arguments.control else ()
     with progress() as report:
         photos = in_parallel(detect_file, paths, (arguments.family, detector), arguments.workers, report)
@@ -75,13 +80,30 @@ def read_control(path: Path, family_name: str) -> tuple[ControlPoint, ...]:
     from app.services.control_points import check_datum, points_of_records, records_of_csv
     from app.targets.family import family_by_name
 
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise InvalidInput(f"{path} is no CSV text ({error.reason} at byte {error.start})") from error
-    points = points_of_records(records_of_csv(text), family_by_name(family_name))
+    points = points_of_records(records_of_csv(_text_of(path)), family_by_name(family_name))
     check_datum(points)
     return points
+
+
+def read_batches(path: Path, family_name: str) -> tuple[PrintBatch, ...]:
+    """Print batches of a CSV or JSON file.
+
+    Raises
+    ------
+    InvalidInput
+        Naming the batch that cannot be.
+    """
+    from app.services.print_batches import batches_of_entries, read_entries
+    from app.targets.family import family_by_name
+
+    return batches_of_entries(read_entries(_text_of(path)), family_by_name(family_name))
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InvalidInput(f"{path} is no text ({error.reason} at byte {error.start})") from error
 
 
 def _print(record: dict[str, Any], path: Path) -> None:

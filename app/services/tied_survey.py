@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from app.errors import InvalidControlPoints
 from app.geometry.control import ControlPoint
+from app.geometry.print_batch import PrintBatch
 from app.geometry.target_map import TargetMap
 from app.photogrammetry.survey import PlateSpec, SurveyPhoto, SurveyProgress, SurveyResult, adjust_survey
 from app.services.extend_map import ExtendOptions, anchored_points, anchors_of
@@ -17,42 +18,47 @@ from app.services.extend_map import ExtendOptions, anchored_points, anchors_of
 log = logging.getLogger(__name__)
 
 
-def adjust_tied(
-    photos: Sequence[SurveyPhoto],
-    base: TargetMap,
-    points: Sequence[ControlPoint],
-    progress: SurveyProgress | None = None,
-    options: ExtendOptions | None = None,
-) -> SurveyResult:
-    """The survey with targets of the base map as its control; an anchor that contradicts the rest is let go of.
+@dataclass(frozen=True)
+class Tie:
+    """What a survey is tied to.
 
-    Parameters
+    Attributes
     ----------
-    photos : sequence of SurveyPhoto
     base : TargetMap
-    points : sequence of ControlPoint
+    points : tuple of ControlPoint
         Of the site; they only check.
-    progress : callable, optional
-    options : ExtendOptions, optional
+    batches : tuple of PrintBatch
+        Of the site.
+    options : ExtendOptions
+    """
+
+    base: TargetMap
+    points: tuple[ControlPoint, ...] = ()
+    batches: tuple[PrintBatch, ...] = ()
+    options: ExtendOptions = field(default_factory=ExtendOptions)
+
+
+def adjust_tied(photos: Sequence[SurveyPhoto], tie: Tie, progress: SurveyProgress | None = None) -> SurveyResult:
+    """The survey with targets of the base map as its control; an anchor that contradicts the rest is let go of.
 
     Raises
     ------
     SurveyFailed, InvalidControlPoints
         As ``anchors_of`` and ``adjust_survey``; the latter when more anchors contradict each other than may.
     """
-    options = options or ExtendOptions()
-    plate, detections = PlateSpec(base.code_family, base.u_m), [photo.detection for photo in photos]
+    base, detections = tie.base, [photo.detection for photo in photos]
+    plate = PlateSpec(base.code_family, base.u_m, tie.batches)
     standing = base
-    for _ in range(options.most_moved_anchors):
-        anchors = anchors_of(standing, detections, options)
+    for _ in range(tie.options.most_moved_anchors):
+        anchors = anchors_of(standing, detections, tie.options)
         try:
-            return adjust_survey(photos, anchored_points(anchors, points), plate, progress=progress)
+            return adjust_survey(photos, anchored_points(anchors, tie.points), plate, progress=progress)
         except InvalidControlPoints as error:
             code = _worst_anchor(anchors, error)
             log.info("target %d of the base map is not where it was; the survey is tied to others", code)
             standing = replace(standing, targets=tuple(one for one in standing.targets if one.code != code))
-    anchors = anchors_of(standing, detections, options)
-    return adjust_survey(photos, anchored_points(anchors, points), plate, progress=progress)
+    anchors = anchors_of(standing, detections, tie.options)
+    return adjust_survey(photos, anchored_points(anchors, tie.points), plate, progress=progress)
 
 
 def _worst_anchor(anchors: Sequence[ControlPoint], error: InvalidControlPoints) -> int:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from app.geometry.pose import Pose
 from app.geometry.target_map import TargetMap
 from app.photogrammetry.survey import adjust_survey
 from app.services.extend_map import ExtendOptions, anchors_of, extend_map
-from app.services.tied_survey import adjust_tied
+from app.services.tied_survey import Tie, adjust_tied
 from tests.photogrammetry.survey_scene import (
     CONTROL_DOTS,
     PLATE,
@@ -53,7 +51,7 @@ def anchor_codes(base: TargetMap, room: Room) -> tuple[int, ...]:
 def test_moved_anchors_are_named_and_new_targets_stand_where_they_hang(base: TargetMap, count: int) -> None:
     moved = anchor_codes(base, ROOM)[2 : 2 + count]
     room = moved_room(moved)
-    survey = adjust_tied(survey_photos(room, STATIONS, seed=7), base, ())
+    survey = adjust_tied(survey_photos(room, STATIONS, seed=7), Tie(base))
     extension = extend_map(base, survey.target_map, ())
     assert set(extension.moved) == set(moved)
     assert set(extension.added) <= set(NEW_CODES)
@@ -71,6 +69,4 @@ def test_moved_anchors_are_named_and_new_targets_stand_where_they_hang(base: Tar
 def test_more_moved_anchors_than_may_be_are_refused(base: TargetMap) -> None:
     room = moved_room(anchor_codes(base, ROOM)[2:3])
     with pytest.raises(InvalidControlPoints, match="contradict"):
-        adjust_tied(
-            survey_photos(room, STATIONS, seed=7), base, (), options=replace(ExtendOptions(), most_moved_anchors=0)
-        )
+        adjust_tied(survey_photos(room, STATIONS, seed=7), Tie(base, options=ExtendOptions(most_moved_anchors=0)))

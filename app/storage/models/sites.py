@@ -1,11 +1,11 @@
-"""Sites and their control points."""
+"""Sites, their control points and their print batches."""
 
 from __future__ import annotations
 
 from sqlalchemy import JSON, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
-from app.storage.models.base import Base, Id, Json, Number, OfSite, Short
+from app.storage.models.base import Base, Id, Json, JsonList, Number, OfSite, Short
 
 
 class SiteRow(Base):
@@ -40,3 +40,18 @@ class ControlPointRow(Base):
     z_m: Mapped[Number]
     sigma_m: Mapped[Number]
     role: Mapped[Short]
+
+
+class PrintBatchRow(Base):
+    """Sheets printed in one go, with the measured lengths of their check bars."""
+
+    __tablename__ = "print_batches"
+    __table_args__ = (UniqueConstraint("site_id", "name"),)
+    id: Mapped[Id]
+    site_id: Mapped[OfSite]
+    ordinal: Mapped[int]
+    name: Mapped[Short]
+    codes: Mapped[JsonList]
+    bar_across_mm: Mapped[Number]
+    bar_along_mm: Mapped[Number]
+    sigma_mm: Mapped[Number]
