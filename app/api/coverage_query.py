@@ -24,9 +24,9 @@ from app.services.coverage_work import CoverageTask, PhoneWish, SiteView
 Array = npt.NDArray[np.float64]
 
 MOST_SUGGESTIONS = 10
-PLACE = r"-?\d{1,5}(\.\d{1,4})?,-?\d{1,5}(\.\d{1,4})?"
-OUTLINE_PATTERN = rf"^{PLACE}( {PLACE}){{2,199}}$"
-WALLS_PATTERN = rf"^{PLACE} {PLACE}(;{PLACE} {PLACE}){{0,199}}$"
+PLACE = r"-?[0-9]{1,5}(\.[0-9]{1,4})?,-?[0-9]{1,5}(\.[0-9]{1,4})?"
+OUTLINE_PATTERN = rf"^{PLACE}( {PLACE}){{2,63}}$"
+WALLS_PATTERN = rf"^{PLACE} {PLACE}(;{PLACE} {PLACE}){{0,63}}$"
 AREA_PATTERN = rf"^{PLACE} {PLACE}$"
 
 OUTLINE = (
@@ -46,7 +46,7 @@ def site_view(
         Query(max_length=4000, pattern=OUTLINE_PATTERN, description=OUTLINE, examples=["0,0 20,0 20,10 0,10"]),
     ] = None,
     walls: Annotated[
-        str | None, Query(max_length=8000, pattern=WALLS_PATTERN, description=WALLS, examples=["14,0 14,4"])
+        str | None, Query(max_length=4000, pattern=WALLS_PATTERN, description=WALLS, examples=["14,0 14,4"])
     ] = None,
     wall_height_m: Annotated[float, Query(gt=0, le=100, description="From the site's origin up.")] = 3.0,
 ) -> SiteView:
