@@ -25,8 +25,8 @@ Array = npt.NDArray[np.float64]
 
 MOST_SUGGESTIONS = 10
 PLACE = r"-?[0-9]{1,5}(\.[0-9]{1,4})?,-?[0-9]{1,5}(\.[0-9]{1,4})?"
-OUTLINE_PATTERN = rf"^{PLACE}( {PLACE}){{2,63}}$"
-WALLS_PATTERN = rf"^{PLACE} {PLACE}(;{PLACE} {PLACE}){{0,63}}$"
+OUTLINE_PATTERN = rf"^{PLACE}( {PLACE}){{2,}}$"
+WALLS_PATTERN = rf"^{PLACE} {PLACE}(;{PLACE} {PLACE})*$"
 AREA_PATTERN = rf"^{PLACE} {PLACE}$"
 
 OUTLINE = (

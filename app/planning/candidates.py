@@ -80,7 +80,9 @@ def find_candidates(target_map: TargetMap, walls: Sequence[Wall], options: Candi
             if not any(candidate.covers(position_m) for position_m in hanging_m):
                 found.append(candidate)
     if not found:
-        raise InvalidInput("no wall has a free place for another target; name upright walls, or other heights")
+        raise InvalidInput(
+            "no wall has a free place for another target; name upright walls, or other heights", field="suggest"
+        )
     return found
 
 

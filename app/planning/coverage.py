@@ -159,7 +159,8 @@ def make_grid(target_map: TargetMap, walls: Sequence[Wall], wish: ViewWish) -> G
     if len(columns_m) * len(rows_m) * wish.headings > MOST_VIEWS:
         raise InvalidInput(
             f"{len(columns_m)} x {len(rows_m)} positions in {wish.headings} directions are more than {MOST_VIEWS} "
-            "views; take a larger step, fewer headings or a smaller area"
+            "views; take a larger step, fewer headings or a smaller area",
+            field="step_m",
         )
     x_m, y_m = (part.ravel() for part in np.meshgrid(columns_m, rows_m))
     everywhere_m = np.column_stack([x_m, y_m, np.full(len(x_m), wish.height_m)])
@@ -167,7 +168,8 @@ def make_grid(target_map: TargetMap, walls: Sequence[Wall], wish: ViewWish) -> G
     if not len(cells):
         raise InvalidInput(
             "no position of the grid lies before the walls; check the area, the height, the clearance and which way "
-            "the walls face"
+            "the walls face",
+            field="area",
         )
     return Grid(columns_m, rows_m, everywhere_m[cells], cells)
 
@@ -201,6 +203,6 @@ def _steps(least_m: float, greatest_m: float, step_m: float) -> Array:
     """Coordinates at equal steps, as far from both ends, a position in the middle of each cell."""
     count = max(int(np.floor((greatest_m - least_m) / step_m + 1e-9)), 1)
     if count > MOST_VIEWS:
-        raise InvalidInput(f"a step of {step_m:g} m makes {count} columns; take a larger one")
+        raise InvalidInput(f"a step of {step_m:g} m makes {count} columns; take a larger one", field="step_m")
     from_middle = np.arange(count, dtype=np.float64) - (count - 1) / 2
     return np.asarray((least_m + greatest_m) / 2 + from_middle * step_m, dtype=np.float64)

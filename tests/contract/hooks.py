@@ -75,6 +75,12 @@ RULES = (
     # One system at least, none twice, none of them the reference; times that increase; one of two parameters.
     Rule("POST /evaluations", ("invalid-input",), ("estimate_ids",)),
     Rule("GET /trajectories/.*/smoothed", ("invalid-input",), ("rate_hz", "times", "from", "to")),
+    # Walls that enclose something, a phone wholly described, a grid of not too many places and not of none.
+    Rule(
+        "GET /sites/.*/coverage",
+        ("invalid-input",),
+        ("outline", "walls", "area", "width_px", "camera_id", "suggest", "step_m"),
+    ),
     # A quaternion of unit length.
     Rule("POST /evaluations/live/.*/samples", ("invalid-input",)),
     # Systems named once each, of what is there; a quaternion has the length 1.
@@ -85,8 +91,12 @@ RULES = (
     Rule("POST /trajectories/import", ("invalid-input",), ("times", "query.site_id")),  # as with snapshots
     # Only what an answer named before: the cursor of a page, the id of an event.
     Rule("GET .*", ("invalid-input",), ("cursor", "Last-Event-ID")),
+    # Codes of the site's family, each dot once, within the photograph.
+    Rule("PUT /surveys/.*/marks", ("invalid-input",), (r"marks\.\d+\.(code|dot|x_px|y_px)",)),
     # Names and codes of this survey and this site; codes of the site's family; points that can carry a datum.
     Rule("POST /surveys/.*/build", ("invalid-input",), ("exclude.images", "exclude.codes", "exclude.control_points")),
+    # Which codes a family holds, and that a target is printed once, no schema says.
+    Rule("PUT /sites/.*/print-batches", ("invalid-input",), ("print_batches",)),
     Rule("(POST /surveys/.*/build)|(PUT /sites/.*/control-points)", ("invalid-control-points",)),
 )
 
