@@ -28,9 +28,19 @@ from tests.trajectories.walks import walk
 
 FOR_EVERYBODY = {"/healthz", "/readyz", "/time", "/session"}
 # What every key may read, of its sites: no scope is the wrong one.
-READ_BY_ALL = {"/sites", "/sites/{site_id}", "/sites/{site_id}/targets", "/sites/{site_id}/coverage",
-    "/sites/{site_id}/maps", "/cameras"}
-PRINTED = {"/targets/sheets.pdf", "/targets/{code}.svg", "/targets/{code}.png"}  # of no site, unless the query names one
+READ_BY_ALL = {
+    "/sites",
+    "/sites/{site_id}",
+    "/sites/{site_id}/targets",
+    "/sites/{site_id}/coverage",
+    "/sites/{site_id}/maps",
+    "/cameras",
+}
+PRINTED = {
+    "/targets/sheets.pdf",
+    "/targets/{code}.svg",
+    "/targets/{code}.png",
+}  # of no site, unless the query names one
 FILTERED = {"/sites", "/cameras", "/trajectories", "/jobs", "/evaluations", "/evaluations/live"}
 # Where a site, or a trajectory of one, stands in the body.
 NAMED_IN_BODY: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
