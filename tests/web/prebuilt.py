@@ -28,13 +28,16 @@ class Room:
     trajectory_id: str
 
 
-def surveyed_room(served: Served, folders: pytest.TempPathFactory) -> Room:
-    """The room, imported from an archive that the first process to come here makes and the others wait for."""
+def surveyed_room(served: Served, folders: pytest.TempPathFactory, *, as_new: bool = False) -> Room:
+    """The room, imported from an archive that the first process to come here makes and the others wait for.
+
+    As new it is another site each time: for a test that changes it.
+    """
     archive = folders.getbasetemp().parent / "surveyed-room.scattermark"
     with _alone(archive.with_suffix(".lock")):
         if not archive.exists():
             _make_archive(served, archive)
-    answer = served.client.post("/sites/import", content=archive.read_bytes(), timeout=120.0)
+    answer = served.client.post("/sites/import", params={"as_new": as_new}, content=archive.read_bytes(), timeout=120.0)
     assert answer.status_code == 201, answer.text
     site_id = answer.json()["site_id"]
     (survey,) = served.client.get(f"/sites/{site_id}/surveys").json()["surveys"]
