@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.photogrammetry.hand_marks import with_marks
 from app.photogrammetry.survey_guidance import Guidance, guide_survey
 from app.photogrammetry.survey_input import PlateSpec, SurveyPhoto
 from app.services.detect_work import DetectSettings
 from app.services.workbench import workbench
+from app.storage.marks import MarkRepository
 from app.storage.sites import SiteRepository
 from app.storage.surveys import DetectionRepository, SurveyRepository
 
@@ -32,9 +34,11 @@ def guide(task: GuideTask) -> Guidance:
         surveys, detections = SurveyRepository(session), DetectionRepository(session)
         site = SiteRepository(session).get(surveys.get(task.survey_id).site_id)
         points = SiteRepository(session).control_points(site.site_id)
+        marks = MarkRepository(session).of_survey(task.survey_id)
         photos = []
         for photo in surveys.photos(task.survey_id):
             detection = detections.get(task.settings.key(photo.sha256))
             if detection is not None:
-                photos.append(SurveyPhoto(photo.name, photo.identity, detection))
+                seen = with_marks(detection, marks.get(photo.name, ()))
+                photos.append(SurveyPhoto(photo.name, photo.identity, seen))
     return guide_survey(photos, points, PlateSpec(site.code_family, site.plate_u_m))

@@ -24,7 +24,9 @@ from app.storage.archive_site_photos import named_photos
 from app.storage.archive_site_totals import check_totals, snapshots_of
 from app.storage.cameras import CameraRepository
 from app.storage.database import Session
+from app.storage.marks import every_mark
 from app.storage.paging import every
+from app.storage.print_batches import every_batch
 from app.storage.records import GeoAnchor, Site, StoredCamera
 from app.storage.sites import SiteRepository
 from app.storage.snapshots import Located, NotFoundPose, RollingShutter, Seen
@@ -53,9 +55,13 @@ def check_site(session: Session) -> Site:
         family = _checked_site(site)
     with _told("control points"):
         _check_codes((point.code for point in SiteRepository(session).control_points(site.site_id)), family)
+    with _told("print batches"):
+        _check_codes((code for batch in every_batch(session) for code in batch.codes), family)
     with _told("photographs"):
         for name, _ in named_photos(session):
             _require(checked_filename(name) == name, f"the name {name!r:.80}")
+    with _told("marks"):
+        _check_codes((mark.code for mark in every_mark(session)), family)
     with _told("target maps"):
         _check_maps(session, site, family)
     with _told("cameras"):

@@ -30,6 +30,10 @@ def _photographs(tables: MetaData, site_id: str) -> ColumnElement[bool]:
     return tables.tables["photographs"].columns["survey_id"].in_(_ids(tables, "surveys", site_id))
 
 
+def _marks(tables: MetaData, site_id: str) -> ColumnElement[bool]:
+    return tables.tables["photo_marks"].columns["survey_id"].in_(_ids(tables, "surveys", site_id))
+
+
 def _detections(tables: MetaData, site_id: str) -> ColumnElement[bool]:
     digests = select(tables.tables["photographs"].columns["sha256"]).where(_photographs(tables, site_id))
     return tables.tables["detections"].columns["sha256"].in_(digests)
@@ -46,8 +50,10 @@ def _ids(tables: MetaData, name: str, site_id: str) -> Select[tuple[str]]:
 SITE_ROWS: dict[str, Rows] = {
     "sites": _of_site("sites", "id"),
     "control_points": _of_site("control_points"),
+    "print_batches": _of_site("print_batches"),
     "surveys": _of_site("surveys"),
     "photographs": _photographs,
+    "photo_marks": _marks,
     "detections": _detections,
     "target_maps": _of_site("target_maps"),
     "mapped_targets": _of_maps("mapped_targets"),

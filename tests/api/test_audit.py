@@ -89,6 +89,9 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("put", "/sites/{site_id}/control-points"): lambda: client.put(
             f"/sites/{ids['site_id']}/control-points", json=[]
         ),
+        ("put", "/sites/{site_id}/print-batches"): lambda: client.put(
+            f"/sites/{ids['site_id']}/print-batches", json={"print_batches": []}
+        ),
         ("post", "/sites/{site_id}/surveys"): lambda: keep(
             "survey_id", client.post(f"/sites/{ids['site_id']}/surveys")
         ),
@@ -97,6 +100,12 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ),
         ("post", "/surveys/{survey_id}/images"): lambda: client.post(
             f"/surveys/{ids['survey_id']}/images", files=[("images", photo) for photo in photos[1:3]]
+        ),
+        ("put", "/surveys/{survey_id}/images/{filename}/marks"): lambda: client.put(
+            f"/surveys/{ids['survey_id']}/images/a.jpg/marks", json={"marks": []}
+        ),
+        ("delete", "/surveys/{survey_id}/images/{filename}/marks"): lambda: client.delete(
+            f"/surveys/{ids['survey_id']}/images/a.jpg/marks"
         ),
         ("post", "/surveys/{survey_id}/build"): lambda: keep(
             "job_id", client.post(f"/surveys/{ids['survey_id']}/build")

@@ -13,6 +13,7 @@ from PIL import Image
 from sqlalchemy import select, update
 
 from app.geometry.control import ControlPoint
+from app.geometry.marks import Mark
 from app.storage.archive_schema import current_revision, kept_tables, tables_at
 from app.storage.database import Database, Session
 from app.storage.evaluation_records import EvaluatedSystem, NewEvaluation
@@ -21,6 +22,7 @@ from app.storage.imported_trajectories import ImportedTrajectories, NewImport
 from app.storage.jobs import JobRepository
 from app.storage.live_evaluations import LiveEvaluationRepository
 from app.storage.live_records import LiveOptions, Sample
+from app.storage.marks import MarkRepository
 from app.storage.models import JobRow
 from app.storage.photo_store import PhotoStore, open_photo_store
 from app.storage.records import GeoAnchor
@@ -75,6 +77,7 @@ def fill(database: Database, folder: Path) -> Scene:
         for name, data in PHOTOS.items():
             SurveyRepository(session).add_photo(survey_id, photo(name, sha256_of(data)))
             DetectionRepository(session).put(DetectionKey(sha256_of(data), "default-1", "0" * 64), detection())
+            MarkRepository(session).replace(survey_id, name, [Mark(CODES[0], 5, np.array([4.0, 5.5]))])
         jobs = JobRepository(session)
         done, under_way = (jobs.add("build", site.site_id, survey_id, {"strictness": "normal"}).job_id for _ in "12")
         ended = {"state": "succeeded", "stage": "done", "done": 3, "total": 3, "result": {"map_version": 1}}

@@ -63,10 +63,10 @@ def test_a_survey_from_photographs_to_its_report(page: Page, web_served: Served)
 
     paste(page, room_control_points().replace(",", ";"))
     expect(points_part(page).get_by_text("4 control points and 8 check points.")).to_be_visible()
-    page.get_by_label("code of row 1").fill("16926")
+    page.get_by_label("code of row 1", exact=True).fill("16926")
     expect(points_part(page).get_by_text("is no code of the family golay")).to_be_visible()
     expect(page.get_by_role("button", name="Save the points")).to_be_disabled()
-    page.get_by_label("code of row 1").fill("16925")
+    page.get_by_label("code of row 1", exact=True).fill("16925")
     page.get_by_role("button", name="Save the points").click()
     expect(points_part(page).get_by_role("status").filter(has_text="saved")).to_have_text("saved")
 

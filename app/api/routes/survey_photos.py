@@ -1,4 +1,4 @@
-"""One photograph of a survey: its picture, what was seen in it."""
+"""One photograph of a survey: its picture, what was seen in it, what a person marked in it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Header, Path, Query, Response
 
-from app.api.dependencies import PathId, Running
+from app.api.dependencies import PathId, ReadSession, Running, WriteSession
 from app.api.entity_tags import headers_of, holds
 from app.api.problems import problems
 from app.api.routes.snapshots import MEDIA_TYPES, PICTURE
+from app.api.schemas.photo_marks import MarksAnswer, MarksBody
 from app.api.schemas.survey_photos import DetectionAnswer
 from app.api.security import needs
+from app.services import photo_marks
 from app.services.build_options import Strictness
 from app.vision.display import DisplayOptions
 
@@ -75,3 +77,32 @@ async def get_detection(
 ) -> DetectionAnswer:
     """What was found in a photograph, what was refused and why; it is looked at now if nobody did."""
     return DetectionAnswer.of(await services.viewer.seen(survey_id, filename, strictness))
+
+
+@router.get(
+    "/surveys/{survey_id}/images/{filename}/marks", dependencies=[needs("survey")], responses=problems(404, 422)
+)
+def get_marks(survey_id: PathId, filename: Filename, session: ReadSession) -> MarksAnswer:
+    """The dots that were marked by hand in a photograph."""
+    return MarksAnswer.of(photo_marks.get_marks(session, survey_id, filename))
+
+
+@router.put(
+    "/surveys/{survey_id}/images/{filename}/marks",
+    dependencies=[needs("survey")],
+    responses=problems(400, 404, 413, 422),
+)
+def put_marks(survey_id: PathId, filename: Filename, body: MarksBody, session: WriteSession) -> MarksAnswer:
+    """Replace the marks of a photograph; the next build takes them as measured, before what a detector saw there."""
+    return MarksAnswer.of(photo_marks.put_marks(session, survey_id, filename, body.to_domain()))
+
+
+@router.delete(
+    "/surveys/{survey_id}/images/{filename}/marks",
+    status_code=204,
+    dependencies=[needs("survey")],
+    responses=problems(404, 422),
+)
+def delete_marks(survey_id: PathId, filename: Filename, session: WriteSession) -> None:
+    """Remove all marks of a photograph."""
+    photo_marks.put_marks(session, survey_id, filename, ())

@@ -15,8 +15,8 @@ from app.storage.models.evaluations import (
 )
 from app.storage.models.jobs import JobRow, WorkerRow
 from app.storage.models.kept_snapshots import KeptSnapshotRow
-from app.storage.models.sites import ControlPointRow, SiteRow
-from app.storage.models.surveys import DetectionRow, PhotographRow, SurveyRow
+from app.storage.models.sites import ControlPointRow, PrintBatchRow, SiteRow
+from app.storage.models.surveys import DetectionRow, PhotographRow, PhotoMarkRow, SurveyRow
 from app.storage.models.target_maps import CameraRow, MappedTargetRow, MapPhotoRow, TargetMapRow
 from app.storage.models.trajectories import SnapshotRow, TrajectoryRow
 
@@ -40,7 +40,9 @@ __all__ = [
     "LiveSampleRow",
     "MapPhotoRow",
     "MappedTargetRow",
+    "PhotoMarkRow",
     "PhotographRow",
+    "PrintBatchRow",
     "SiteRow",
     "SnapshotRow",
     "SurveyRow",

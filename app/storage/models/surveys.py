@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sqlalchemy import UniqueConstraint
+from sqlalchemy import ForeignKey, String, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.storage.models.base import Base, Blob, Digest, Id, Json, Long, Number, OfSite, OfSurvey, Short, Size
@@ -37,6 +37,19 @@ class PhotographRow(Base):
     identity: Mapped[Json]
     captured_at: Mapped[Long | None]  # as the camera wrote it, which may be anything
     created_s: Mapped[Number]
+
+
+class PhotoMarkRow(Base):
+    """A dot that a person marked in a photograph of a survey."""
+
+    __tablename__ = "photo_marks"
+    survey_id: Mapped[str] = mapped_column(String(36), ForeignKey("surveys.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[Short] = mapped_column(primary_key=True)
+    code: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    cell: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    x_px: Mapped[Number]
+    y_px: Mapped[Number]
+    sigma_px: Mapped[Number]
 
 
 class DetectionRow(Base):

@@ -4,6 +4,7 @@ export const routes = [
   { path: "/sites/:site", load: () => import("./pages/site.js"), title: "Site", top: "sites", tab: "" },
   { path: "/sites/:site/surveys", load: () => import("./pages/surveys.js"), title: "Surveys", top: "sites", tab: "surveys" },
   { path: "/sites/:site/surveys/:survey", load: () => import("./pages/survey.js"), title: "Survey", top: "sites", tab: "surveys" },
+  { path: "/sites/:site/surveys/:survey/photos/:photo", load: () => import("./pages/photo.js"), title: "Photograph", top: "sites", tab: "surveys", wide: true },
   { path: "/sites/:site/report", load: () => import("./pages/report.js"), title: "Report", top: "sites", tab: "report" },
   { path: "/sites/:site/room", load: () => import("./pages/room.js"), title: "Room", top: "sites", tab: "room", wide: true },
   { path: "/sites/:site/trajectories", load: () => import("./pages/trajectories.js"), title: "Trajectories", top: "sites", tab: "trajectories" },
