@@ -38,7 +38,11 @@ class UnorientedRecord:
 
 @dataclass(frozen=True)
 class TargetRecord:
-    """A published target; ``sigma_m`` with the datum, ``own_sigma_m`` relative to it."""
+    """A published target; ``sigma_m`` with the datum, ``own_sigma_m`` relative to it.
+
+    ``detectable_m`` is the least displacement during the survey that is found when half of its photographs show it in
+    either place; None in reports of earlier releases.
+    """
 
     code: int
     position_m: Array
@@ -48,6 +52,7 @@ class TargetRecord:
     rays: int
     intersection_deg: float
     rms_px: float
+    detectable_m: float | None = None
 
 
 @dataclass(frozen=True)

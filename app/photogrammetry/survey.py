@@ -105,7 +105,7 @@ def _adjusted(
     tell("covariance", 0, 1)
     solution = solve_uncertainty(site, standing.published)
     stages = survey, networks, chosen, clean, standing, site, solution
-    return SurveyOutcome(*stages, points, options.quality.fewest_rays)
+    return SurveyOutcome(*stages, points, options.quality)
 
 
 def _silent(stage: str, done: int, total: int) -> None:

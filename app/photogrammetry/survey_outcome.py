@@ -11,6 +11,7 @@ from app.geometry.control import ControlPoint
 from app.photogrammetry.cleaning import CleanNetwork
 from app.photogrammetry.control import StandingTargets
 from app.photogrammetry.growth import Growth
+from app.photogrammetry.quality import QualityOptions
 from app.photogrammetry.site_network import SiteNetwork
 from app.photogrammetry.survey_input import SurveyInput
 from app.photogrammetry.survey_solution import Solution
@@ -33,8 +34,7 @@ class SurveyOutcome:
     solution : Solution
     points : tuple of ControlPoint
         Control and check points as given.
-    fewest_rays : int
-        Photographs that must see a published target.
+    quality : QualityOptions
     """
 
     survey: SurveyInput
@@ -45,7 +45,7 @@ class SurveyOutcome:
     site: SiteNetwork
     solution: Solution
     points: tuple[ControlPoint, ...]
-    fewest_rays: int
+    quality: QualityOptions
 
     @property
     def codes(self) -> npt.NDArray[np.intp]:

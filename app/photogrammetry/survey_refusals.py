@@ -77,12 +77,12 @@ def _too_weak(outcome: SurveyOutcome, target: int, seen: int) -> LeftOutRecord:
     code = int(outcome.survey.codes[target])
     place = np.flatnonzero(outcome.clean.part.targets == target)
     rays = int(outcome.solution.problem.sightings.rays()[place].sum())
-    if rays >= outcome.fewest_rays:
+    if rays >= outcome.quality.fewest_rays:
         angle_deg = float(np.degrees(outcome.solution.angles_rad[place].max()))
         detail = f"its {rays} rays meet at {angle_deg:.1f} degrees at most: photograph it from places farther apart"
         return LeftOutRecord(code, "angle", detail)
     detail = (
-        f"{rays} of the {seen} photographs that show it agree on its place and {outcome.fewest_rays} must: photograph "
-        "it again"
+        f"{rays} of the {seen} photographs that show it agree on its place and {outcome.quality.fewest_rays} must: "
+        "photograph it again"
     )
     return LeftOutRecord(code, "rays", detail)

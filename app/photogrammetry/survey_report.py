@@ -11,8 +11,10 @@ from app.geometry.camera import INTRINSIC_NAMES, CameraIdentity
 from app.geometry.control import ControlPoint, Role
 from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.control import match_points
+from app.photogrammetry.detectable import least_detectable_m
 from app.photogrammetry.image_residuals import ImageResiduals, image_residuals
 from app.photogrammetry.print_records import batch_records, batch_warnings, largest_print
+from app.photogrammetry.quality import residual_scale
 from app.photogrammetry.report import (
     AdjustmentReport,
     CameraRecord,
@@ -133,7 +135,9 @@ def _photos(outcome: SurveyOutcome) -> tuple[PhotoRecord, ...]:
 def _targets(outcome: SurveyOutcome) -> tuple[TargetRecord, ...]:
     solution, records = outcome.solution, []
     angles_deg = np.degrees(solution.angles_rad[solution.published])
-    for target, angle_deg in zip(mapped_targets(solution, outcome.codes), angles_deg, strict=True):
+    detectable_m = _detectable_m(outcome)[solution.published]
+    targets = mapped_targets(solution, outcome.codes)
+    for target, angle_deg, least_m in zip(targets, angles_deg, detectable_m, strict=True):
         pose = target.site_from_target
         shared = solution.datum.pose_covariance(pose.position_m)
         records.append(
@@ -146,9 +150,17 @@ def _targets(outcome: SurveyOutcome) -> tuple[TargetRecord, ...]:
                 target.rays,
                 float(angle_deg),
                 target.rms_px,
+                float(least_m),
             )
         )
     return tuple(records)
+
+
+def _detectable_m(outcome: SurveyOutcome) -> Array:
+    """Of all targets of the network, by the weights and the scale that its sightings were judged by."""
+    clean = outcome.clean
+    sigma0 = residual_scale(clean.problem, clean.adjusted.squared, outcome.quality)
+    return least_detectable_m(clean.problem, clean.adjusted.network, outcome.quality.gross_sigmas, sigma0)
 
 
 def _image_residuals(outcome: SurveyOutcome, cameras: Sequence[SelfCalibration]) -> tuple[ImageResiduals, ...]:
