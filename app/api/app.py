@@ -34,6 +34,7 @@ from app.api.routes import (
     maps,
     operations,
     pages,
+    print_batches,
     session,
     sites,
     snapshots,
@@ -102,6 +103,7 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
     app.include_router(trajectory_import.router, max_body_size=settings.max_trajectory_bytes)
     texts = (
         sites,
+        print_batches,
         transfer,
         surveys,
         survey_photos,

@@ -35,8 +35,9 @@ def least_detectable_m(problem: BundleProblem, network: Network, gross_sigmas: f
     -----
     One half of the photographs is taken to show the target in its old place and the other half in its new one, d apart.
     A sighting's mean square residual is then d' N d / 4 over its 2 n coordinates, with the information N of its dots on
-    the target's place. N and n are taken as the mean of the target's sightings, and d along N's weakest direction. The photographs are taken to be held by their other
-    targets: in a sparse network one of two that show little else may follow the target instead.
+    the target's place. N and n are taken as the mean of the target's sightings, and d along N's weakest direction. The
+    photographs are taken to be held by their other targets: in a sparse network those that show little else may follow
+    the target instead.
     """
     sightings = problem.sightings
     information = np.zeros((sightings.target_count, 3, 3))
