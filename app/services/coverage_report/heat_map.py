@@ -76,7 +76,7 @@ BAR_SHARE = 0.2  # of the map's width
 FRAME, WALL = Pen("muted", 0.5), Pen("ink", 1.6)
 BLANK = Pen("band", 0.0, filled=True)
 UPRIGHT = 0.1  # greatest vertical part of an upright wall's normal: floors are not drawn
-ROOM_SHARE = 0.02  # around what is drawn, of its larger side
+ROOM_SHARE = 0.035  # around what is drawn, of its larger side: numbers of suggestions stand behind their walls
 SUGGESTED = 6.0  # radius of a suggestion's circle
 
 
@@ -228,7 +228,7 @@ class _Sheet:
                 Ellipse(place, np.full(2, SUGGESTED), 0.0, Pen("control", 1.2)),
             ]
             inwards = np.array([pose.rotation[0, 2], -pose.rotation[1, 2]])
-            at = place + 2.2 * SUGGESTED * inwards + np.array([0.0, 0.35 * HEAD_SIZE])
+            at = place - 2.0 * SUGGESTED * inwards + np.array([0.0, 0.35 * HEAD_SIZE])
             labels.append(Label(at, str(number), "control", HEAD_SIZE, "middle"))
         return [*shapes, *legible(labels)]
 
