@@ -16,14 +16,18 @@ from scipy.special import ive, ndtr
 
 from app.targets.layout import DOT_RADIUS_U
 from app.vision.centres import YCC_FROM_BGR, CentreOptions, DotCentres, calibrated_covariances
-from app.vision.kernels.pixels import settle_all
-from app.vision.kernels.profiles import BLUR_LEVELS, BLUR_STEP_U, EDGE_REACH, EDGE_STEPS, LIGHT_MAX, LIGHT_STEPS
+from app.vision.kernels.profiles import BLUR_LEVELS, BLUR_STEP_U, EDGE_REACH, EDGE_STEPS, LIGHT_MAX
+from app.vision.kernels.settling import settle_all
 from app.vision.measurement import PlateFits
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
+Array32 = npt.NDArray[np.float32]
 Pixels = npt.NDArray[np.uint8]
 
+LEVELS_PER_INTEGRAL = 3
+CURVE_BEGINS, CURVE_STRAIGHT = 0.0031308, 12.92  # sRGB's line in the dark, of light 0 ... 1, and its slope
+CURVE_PLACES = 1000
 QUADRATURE_NODES = 400  # over a radius: a blur of one level is resolved by a dozen
 
 
@@ -37,7 +41,8 @@ class SettlingOptions:
         Least size of a plate, so dots of 6 px diameter and more: below, pixels gain nothing over samples
         (``benchmarks/centres.py``).
     reach_u : float
-        Farthest pixel from a dot's centre: half-way to a neighbour's edge, and its blur.
+        Farthest pixel from a dot's centre: up to 1.7 u nothing is gained by more of them, from 1.3 u on something is
+        lost (``benchmarks/centres.py``).
     reach_blurs : float
         Farthest pixel from a dot's edge, standard deviations of the blur.
     chroma_blur_px : float
@@ -58,7 +63,7 @@ class SettlingOptions:
     """
 
     px_per_u_min: float = 3.0
-    reach_u: float = 1.7
+    reach_u: float = 1.4
     reach_blurs: float = 3.0
     chroma_blur_px: float = 1.0
     chroma_weight: float = 1.5
@@ -90,13 +95,14 @@ def settle_dots(
     large = np.flatnonzero(settled_plates(fits, options))
     if not len(large):
         return dots
-    steps = np.empty((len(large), dots.measured.shape[1], 5))
-    plates = (np.linalg.inv(fits.image_from_plate[large]), fits.amplitudes[large], fits.planes[large])
-    centres_px, measured = np.ascontiguousarray(dots.centres_px[large]), np.ascontiguousarray(dots.measured[large])
-    plate_from_image, amplitudes, planes = (np.ascontiguousarray(part) for part in plates)
-    tables = (edge_table(), grey_table(), YCC_FROM_BGR, _limits(options))
-    settle_all(bgr, (plate_from_image, amplitudes, planes, blur_px), (centres_px, measured), tables, steps)
-    return _moved(dots, large, steps, options)
+    image_from_plate, amplitudes = np.ascontiguousarray(fits.image_from_plate), np.ascontiguousarray(fits.amplitudes)
+    plates = (image_from_plate, amplitudes, np.ascontiguousarray(fits.planes), blur_px)
+    tables = (edge_table(), grey_curve(), YCC_FROM_BGR.astype(np.float32))
+    moved = replace(dots, centres_px=np.array(dots.centres_px), covariances_u2=np.array(dots.covariances_u2))
+    measured = np.ascontiguousarray(dots.measured)
+    written = (measured, moved.centres_px, moved.covariances_u2)
+    settle_all(bgr, large, plates, (tables, _limits(options)), written)
+    return moved
 
 
 def settled_plates(fits: PlateFits, options: SettlingOptions = SettlingOptions()) -> Mask:
@@ -125,50 +131,49 @@ def settled_covariances(
     return np.where(settled[:, None, None, None], by_pixels, by_samples)
 
 
-def _moved(dots: DotCentres, large: npt.NDArray[np.intp], steps: Array, options: SettlingOptions) -> DotCentres:
-    u_by_px = np.linalg.inv(dots.px_by_u[large])
-    step_u = np.einsum("pdij,pdj->pdi", u_by_px, steps[..., :2])
-    xx, xy, yy = np.moveaxis(steps[..., 2:], -1, 0)
-    determinant = xx * yy - xy * xy
-    believed = dots.measured[large] & (determinant > 0.0) & (np.abs(step_u).max(axis=-1) < options.step_max_u)
-    cofactors = np.stack([np.stack([yy, -xy], axis=-1), np.stack([-xy, xx], axis=-1)], axis=-2)
-    covariances_px2 = options.noise_grey**2 * cofactors / np.where(determinant > 0.0, determinant, 1.0)[..., None, None]
-    centres_px, covariances_u2 = dots.centres_px.copy(), dots.covariances_u2.copy()
-    centres_px[large] += np.where(believed[..., None], steps[..., :2], 0.0)
-    moved_u2 = u_by_px @ covariances_px2 @ np.swapaxes(u_by_px, -1, -2)
-    covariances_u2[large] = np.where(believed[..., None, None], moved_u2, covariances_u2[large])
-    return replace(dots, centres_px=centres_px, covariances_u2=covariances_u2)
-
-
 def _limits(options: SettlingOptions) -> Array:
     reach = [options.reach_u, options.reach_blurs, options.chroma_blur_px]
-    return np.array([reach, [1.0, options.chroma_weight, options.chroma_weight]])
+    weights = [1.0, options.chroma_weight, options.chroma_weight]
+    return np.array([reach, weights, [options.step_max_u, options.noise_grey, 0.0]])
 
 
 @cache
-def edge_table() -> Array:
-    """Share of a unit disc's light by blur, and by distance from the edge in standard deviations (``edge_profile``).
+def edge_table() -> Array32:
+    """Share of a unit disc's light by blur, and by distance from the edge in standard deviations (``edge_profiles``).
 
     Notes
     -----
     The integral of ``template.blurred_disc``, on nodes that resolve each level's kernel; a straight edge's for none.
+    Integrals are taken for every third level only: between them, profiles of a standard deviation's scale are linear.
     """
     from_edge = np.arange(-EDGE_REACH, EDGE_REACH + 0.5 / EDGE_STEPS, 1.0 / EDGE_STEPS)
     nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE_NODES)
     r, weights = 0.5 * DOT_RADIUS_U * (nodes + 1.0), 0.5 * DOT_RADIUS_U * weights
-    table = np.empty((BLUR_LEVELS + 1, len(from_edge)))
-    table[0] = ndtr(-from_edge)
-    for level in range(1, BLUR_LEVELS + 1):
-        blur_u = level * BLUR_STEP_U
+    coarse = np.empty((BLUR_LEVELS // LEVELS_PER_INTEGRAL + 1, len(from_edge)))
+    coarse[0] = ndtr(-from_edge)
+    for row in range(1, len(coarse)):
+        blur_u = row * LEVELS_PER_INTEGRAL * BLUR_STEP_U
         rho = np.maximum(DOT_RADIUS_U + from_edge * blur_u, 0.0)[:, None]
         kernel = r / blur_u**2 * np.exp(-((rho - r) ** 2) / (2.0 * blur_u**2)) * ive(0, rho * r / blur_u**2)
-        table[level] = kernel @ weights
-    return table
+        coarse[row] = kernel @ weights
+    rows = np.arange(BLUR_LEVELS + 1) / LEVELS_PER_INTEGRAL
+    lower = np.minimum(rows.astype(np.intp), len(coarse) - 2)
+    table = coarse[lower] + (rows - lower)[:, None] * (coarse[lower + 1] - coarse[lower])
+    growth = np.diff(table, axis=1, append=table[:, -1:])
+    return np.stack([table, growth], axis=-1).reshape(-1, 2).astype(np.float32)
 
 
 @cache
-def grey_table() -> Array:
-    """Grey value of linear light in steps, 0 ... 255, by sRGB's curve (IEC 61966-2-1); see ``patches``."""
-    linear = np.linspace(0.0, 1.0, int(LIGHT_MAX) * LIGHT_STEPS + 1)
-    coded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-    return np.asarray(LIGHT_MAX * coded)
+def grey_curve() -> Array32:
+    """Of grey values by linear light, both 0 ... 255, as ``grey_values`` takes it: sRGB's (IEC 61966-2-1; ``patches``).
+
+    Notes
+    -----
+    The curve's power of 1 / 2.4 is a sum of roots to 0.01 of a grey value, fitted at places even in the eighth root.
+    """
+    roots = np.linspace(CURVE_BEGINS**0.125, 1.0, CURVE_PLACES)
+    bent = LIGHT_MAX * roots**8
+    grey = LIGHT_MAX * (1.055 * roots ** (8.0 / 2.4) - 0.055)
+    terms = np.column_stack([bent**0.5, bent**0.25, bent**0.125, bent, np.ones(CURVE_PLACES)])
+    factors = np.linalg.lstsq(terms, grey)[0]
+    return np.array([*factors, LIGHT_MAX * CURVE_BEGINS, CURVE_STRAIGHT], dtype=np.float32)

@@ -12,10 +12,10 @@ from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.centres import DotCentres, locate_dots
 from app.vision.detector import DetectorOptions, detect
 from app.vision.inks import read_inks
-from app.vision.kernels.profiles import BLUR_STEP_U, edge_profile, grey_of
+from app.vision.kernels.profiles import BLUR_STEP_U, edge_profiles, grey_values
 from app.vision.measurement import PlateFits, SizedPatches
 from app.vision.patches import Pyramid
-from app.vision.settling import SettlingOptions, edge_table, grey_table, settle_dots, settled_plates
+from app.vision.settling import SettlingOptions, edge_table, grey_curve, settle_dots, settled_plates
 from app.vision.template import blurred_disc
 from tests.vision.scenes import (
     NOISELESS,
@@ -59,23 +59,35 @@ def errors_of(shot: Shot, dots: DotCentres) -> np.ndarray:
     return (dots.centres_px - np.stack([target.dots_px for target in shot.truth]))[dots.measured]
 
 
-@pytest.mark.parametrize("level", [4, 10, 30])
-def test_edges_are_those_of_the_template(level: int) -> None:
-    blur_u = level * BLUR_STEP_U
+@pytest.mark.parametrize("blur_u", [0.12, 0.304, 0.895])
+def test_edges_are_those_of_the_template(blur_u: float) -> None:
     radii_u = np.linspace(0.01, 2.5, 60)
+    offsets, found = np.zeros((2, 60), dtype=np.float32), np.empty((3, 60), dtype=np.float32)
+    offsets[0] = radii_u
+    even = tuple(np.float32(number) for number in (0.0, 0.0, 1.0, 0.0, 0.0, 1.0, blur_u))
+    edge_profiles(offsets, even, edge_table(), np.empty(60, dtype=np.int32), found)
     expected = blurred_disc(radii_u, blur_u)
-    found = np.array([edge_profile(edge_table(), radius_u, blur_u) for radius_u in radii_u]).T
-    # Linear between twentieths of a standard deviation: a second derivative of 0.24 over eight times 400.
-    np.testing.assert_allclose(found[0], expected[0], atol=1e-3)
-    np.testing.assert_allclose(found[1], expected[1], atol=0.03 / blur_u)
+    # Linear between twentieths of a standard deviation: a second derivative of 0.24 over eight times 400. The level of
+    # blur is half a step away at most, and a dot's middle changes by three quarters of that where it is most.
+    np.testing.assert_allclose(found[0], expected[0], atol=1e-3 + 0.75 * BLUR_STEP_U / 2)
+    np.testing.assert_allclose(-found[1], expected[1], atol=0.03 / blur_u)
+    assert not found[2].any()
 
 
 def test_grey_values_are_those_that_a_plain_camera_writes() -> None:
-    light = np.linspace(0.0, 1.0, 200)
-    shown = [grey_of(grey_table(), 255.0 * one)[0] for one in light]
-    np.testing.assert_allclose(shown, develop(light.astype(np.float32), 0.0), atol=0.8)  # whole grey values there
-    assert grey_of(grey_table(), 300.0) == (255.0, 0.0)
-    assert grey_of(grey_table(), -1.0) == (0.0, 0.0)
+    light = np.linspace(0.0, 1.0, 2001, dtype=np.float32)
+    shown, slopes = 255 * light, np.empty(2001, dtype=np.float32)
+    grey_values(grey_curve(), 2001, shown, slopes)
+    np.testing.assert_allclose(shown, develop(light, 0.0), atol=0.52)  # whole grey values there
+    # One difference reaches over the bend between line and curve.
+    np.testing.assert_allclose(slopes[1:-1], np.gradient(shown, 255 * light)[1:-1], atol=0.2, rtol=0.01)
+
+
+def test_what_saturates_does_not_change() -> None:
+    shown, slopes = np.array([300.0, -1.0], dtype=np.float32), np.empty(2, dtype=np.float32)
+    grey_values(grey_curve(), 2, shown, slopes)
+    np.testing.assert_allclose(shown, [255.0, 0.0], atol=0.02)
+    assert not slopes.any()
 
 
 def test_pixels_place_dots_better_than_samples(sharp: Shot) -> None:
