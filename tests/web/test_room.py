@@ -4,9 +4,13 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
+from app.targets.family import family_by_name
+from app.vision.detector import detect
+from app.vision.photo import load_photo
 from tests.api.serving import Served
 from tests.web.conftest import watched_context
 from tests.web.large_site import PHOTOS, POSES, TARGETS, large_site
@@ -111,6 +115,61 @@ def test_a_hall_and_ten_thousand_poses_take_no_more_draw_calls(page: Page, web_s
     expect(canvas).to_have_attribute("data-view", "plan")
     assert int(canvas.get_attribute("data-draw-calls") or 0) <= DRAW_CALLS
     expect(page.get_by_role("region", name="Targets").get_by_role("row")).to_have_count(TARGETS + 1)
+
+
+def test_a_plate_on_the_screen_is_read_as_its_code(chromium: Browser, web_served: Served, web_room: Room) -> None:
+    target = web_served.client.get(f"/sites/{web_room.site_id}/targets").json()["targets"][5]
+    context, watched = watched_context(chromium, web_served, device_scale_factor=2)
+    page = context.new_page()
+    page.goto(f"/#/sites/{web_room.site_id}/room?code={target['code']}")
+    canvas = drawn(page)
+    panel(page).get_by_role("button", name="Look at it").click()
+    panel(page).get_by_role("button", name="Clear").click()
+    for layer in ("Codes", "Ellipsoids", "Photographs", "Control points", "Poses", "Grid and axes"):
+        page.get_by_role("checkbox", name=layer).uncheck()
+    expect(canvas).to_have_attribute("data-draw-calls", "1")  # plates alone
+    seen = detect(load_photo(canvas.screenshot()).bgr, family_by_name("golay"))
+    assert target["code"] in {one.code for one in seen.targets}
+    context.close()
+    assert not watched.faults
+
+
+def test_principal_axes_make_up_their_covariance(page: Page) -> None:
+    root = np.random.default_rng(2).normal(size=(6, 3, 3)) * [1.0, 0.1, 0.001]
+    covariances = root @ root.transpose(0, 2, 1)
+    page.goto("/")
+    found = page.evaluate(
+        """async (all) => {
+          const { principalAxes } = await import("/assets/room/covariance.js");
+          return all.map(principalAxes);
+        }""",
+        [*covariances.tolist(), np.diag([4.0, 1.0, 9.0]).tolist()],
+    )
+    assert found[-1]["sigmas"] == [3.0, 2.0, 1.0]
+    for covariance, principal in zip(covariances, found, strict=False):
+        axes, sigmas = np.array(principal["axes"]), np.array(principal["sigmas"])
+        np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+        np.testing.assert_allclose(axes.T * sigmas**2 @ axes, covariance, rtol=1e-9, atol=1e-12 * sigmas[0] ** 2)
+
+
+def test_ellipsoids_hold_the_part_that_all_targets_share(page: Page, web_room: Room, web_served: Served) -> None:
+    """As ``sigma_m``, which the service computes."""
+    published = web_served.client.get(f"/sites/{web_room.site_id}/targets").json()
+    page.goto("/")
+    found = page.evaluate(
+        """async ({ targets, datum }) => {
+          const { positionCovariance } = await import("/assets/room/covariance.js");
+          return targets.map((target) => positionCovariance(target, datum));
+        }""",
+        published,
+    )
+    sigmas_m = [np.sqrt(np.diag(covariance)) for covariance in found]
+    np.testing.assert_allclose(sigmas_m, [target["sigma_m"] for target in published["targets"]], rtol=1e-9)
+
+
+def test_a_code_that_the_map_lacks_is_named(page: Page, web_room: Room) -> None:
+    page.goto(f"/#/sites/{web_room.site_id}/room?code=1")
+    expect(page.get_by_text("Target 1 is not in version 1")).to_be_visible()
 
 
 def test_without_webgl_the_tables_tell_the_same(flat_page: Page, web_room: Room, web_served: Served) -> None:

@@ -43,6 +43,7 @@ function Furnished({ room, site, query, trajectories, onVersion }) {
   const lookFrom = (name) => { amend({ view: name === "room" ? null : name }); name === view ? stage.current?.look(name) : setView(name); };
   return html`<div class="row spread room-head"><h1>Room</h1><${Versions} room=${room} onVersion=${onVersion} /></div>
     ${!drawn && html`<${Notice} kind="warn"><p>${lost ? "The graphics of this browser stopped; load the page again to draw the room." : "This browser cannot draw in three dimensions (WebGL 2 is off or missing)."} The tables below tell the same.</p></${Notice}>`}
+    ${query.code && !room.targets.some((target) => String(target.code) === query.code) && html`<${Notice} kind="warn"><p>Target ${query.code} is not in version ${room.version} of this map. If it hangs in the room, photograph it and build again.</p></${Notice}>`}
     <div class="room ${drawn ? "" : "flat"}">
       ${drawn && html`<div class="room-scene"><${Views} view=${view} onView=${lookFrom} onStep=${(name) => stage.current.controls.step(DIRECTIONS[name])} />
         <${Canvas} room=${room} poses=${chosen.poses} axes=${axes} scale=${SCALES[scale]} visible=${visible} view=${view} picked=${picked} onPick=${setPicked} onLost=${() => setLost(true)} stageOf=${stage} />

@@ -15,6 +15,8 @@ const GREATEST_RATIO = 2; // device pixels drawn per CSS pixel
 const CLICK_PX = 5; // a pointer that moved less was not dragging
 const GRID_LINES = 40; // at the most, one way
 const PART_OF_ROOM = { frustum: 0.035, pose: 0.02, axis: 0.08 }; // of the room's diagonal
+const GREATEST_M = { frustum: 0.5, pose: 0.3 }; // in a hall
+const LEAST_AXIS_M = 0.3;
 const CLOSE_M = 2.5; // from where a picked thing is looked at
 const PLATE_FRONT = new Vector3(0.25, 0.25, 1); // a plate is looked at from its front, a little from aside
 
@@ -58,11 +60,11 @@ export class Stage {
     this.diagonal_m = diagonal_m;
     const plate_m = SIDE_U * u_m;
     const step_m = [1, 2, 5, 10, 20, 50, 100].find((step) => diagonal_m / step <= GRID_LINES) ?? diagonal_m / GRID_LINES;
-    this.layer("grid", [makeGrid(this.box, step_m), makeAxes(Math.max(0.3, PART_OF_ROOM.axis * diagonal_m))]);
+    this.layer("grid", [makeGrid(this.box, step_m), makeAxes(Math.max(LEAST_AXIS_M, PART_OF_ROOM.axis * diagonal_m))]);
     this.layer("plates", [makePlates(targets, u_m)]);
     this.layer("codes", [makeLabels(targets, plate_m)]);
     this.layer("ellipsoids", [makeEllipsoids(targets)]);
-    this.layer("photos", photos.length ? [makeFrusta(photos, PART_OF_ROOM.frustum * diagonal_m)] : []);
+    this.layer("photos", photos.length ? [makeFrusta(photos, Math.min(GREATEST_M.frustum, PART_OF_ROOM.frustum * diagonal_m))] : []);
     this.layer("points", points.length ? [makeMarkers(points.map((point) => ({ position_m: point.position_m, sign: SIGNS[point.role] })), this.renderer.getPixelRatio())] : []);
     this.items = [...targets, ...photos, ...points];
     this.resize();
@@ -75,7 +77,7 @@ export class Stage {
 
   showPoses(poses) {
     this.poses = poses;
-    this.layer("poses", makePoses(poses, Math.min(0.3, PART_OF_ROOM.pose * this.diagonal_m)));
+    this.layer("poses", makePoses(poses, Math.min(GREATEST_M.pose, PART_OF_ROOM.pose * this.diagonal_m)));
   }
 
   /** Show some layers and hide the others. */
