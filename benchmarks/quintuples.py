@@ -6,8 +6,9 @@ Two stages, because chance alone hardly ever puts five dots in the shape of a pl
 2. five dots forced into that shape (a plate's base dots seen at random, each off its place by a little, of random
    size, on textured or dark ground, alone or among coloured dots at random places): the share that is accepted.
 
-A random quintuple is accepted with the product of both. Where none is accepted, the bound is the rule of three: with a
-confidence of 95 % the share is below 3 / n. A forced quintuple counts only if the detector's own grouping offers it.
+A random quintuple is accepted with the product of both. The bound on it is Poisson's, one-sided, with a confidence of
+95 %: where none of n is accepted, 3 / n (the rule of three); where one is, 4.7 / n. A forced quintuple counts only if
+the detector's own grouping offers it.
 Dots in all sixteen places of a plate are no random quintuple: ``benchmarks.false_targets`` counts such look-alikes.
 """
 
@@ -21,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+from scipy.stats import chi2
 
 from app.cli.arguments import at_least_one
 from app.cli.in_parallel import in_parallel
@@ -44,7 +46,7 @@ SLANT_RAD = 1.0
 DISTANCE_U = 60.0
 AREA_RADII = 9.0  # a plate's dots spread over so many radii
 LEAST_GAP_RADII = 2.0  # dots do not overlap
-RULE_OF_THREE = 3.0
+CONFIDENCE = 0.95
 GROUNDS = ("texture", "dark texture", "dark, among coloured dots")
 FOCAL_PX = DetectorOptions().least_focal_share * WIDTH_PX
 
@@ -76,6 +78,9 @@ class Forced:
         )
 
 
+NONE = Forced(0, 0, 0, 0)
+
+
 def main() -> int:
     """Count, print, write."""
     arguments = _arguments()
@@ -85,7 +90,7 @@ def main() -> int:
     print_table(
         f"Random quintuples: {share:.2e} of {arguments.random} look like base dots. Forced into that shape, at normal:",
         ["ground", "drawn", "grouped", "accepted", "on the list", "listed, random, at most"],
-        [_line(ground, total, share) for ground, total in totals.items()],
+        [_line(ground, total, share) for ground, total in [*totals.items(), ("all", sum(totals.values(), NONE))]],
     )
     write_json(arguments.out / "quintuples.json", {"share_grouped": share, "forced": totals})
     return 0
@@ -109,7 +114,7 @@ def measure(pictures: int, workers: int, report: Report) -> dict[str, Forced]:
     """Forced quintuples by ground, over so many pictures of each."""
     tasks = [(ground, seed) for ground in GROUNDS for seed in range(pictures)]
     results = in_parallel(count_forced, tasks, (), workers, report)
-    totals = dict.fromkeys(GROUNDS, Forced(0, 0, 0, 0))
+    totals = dict.fromkeys(GROUNDS, NONE)
     for (ground, _), result in zip(tasks, results, strict=True):
         totals[ground] = totals[ground] + result
     return totals
@@ -155,7 +160,8 @@ def _seen(rng: np.random.Generator, px_per_u: float) -> npt.NDArray[np.float64]:
 
 
 def _line(ground: str, total: Forced, share: float) -> list[str]:
-    bound = share * (RULE_OF_THREE if total.listed == 0 else 3.0 * total.listed + RULE_OF_THREE) / max(total.grouped, 1)
+    at_most = float(chi2.ppf(CONFIDENCE, 2 * (total.listed + 1))) / 2.0  # of a Poisson count (Garwood, 1936)
+    bound = share * at_most / max(total.grouped, 1)
     counts = (total.drawn, total.grouped, total.accepted, total.listed)
     return [ground, *(str(count) for count in counts), f"{bound:.1e}"]
 
