@@ -52,11 +52,3 @@ def test_codes_stay_unique_and_others_stay() -> None:
     both = with_marks(PHOTO, [*marks(694, *CORNERS), *marks(889, 1, 2)])
     assert [target.code for target in both.targets] == [389, 694]
     assert with_marks(PHOTO, ()) == PHOTO or with_marks(PHOTO, ()).targets == PHOTO.targets
-
-
-@pytest.mark.parametrize(
-    "faulty", [{"cell": 16}, {"position_px": np.array([np.nan, 1.0])}, {"sigma_px": 0.0}, {"position_px": np.ones(3)}]
-)
-def test_a_mark_is_checked_at_birth(faulty: dict[str, object]) -> None:
-    with pytest.raises(ValueError, match="mark|cells"):
-        Mark(**{"code": 389, "cell": 0, "position_px": np.ones(2), **faulty})  # type: ignore[arg-type]

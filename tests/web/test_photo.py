@@ -15,6 +15,13 @@ from tests.web.screenshots import keep_screenshot
 NAME = "IMG_0000.jpg"
 MARK_TOLERANCE_PX = 1.0  # of the photograph, at a zoom where a screen pixel is less than half of that
 
+# The view has the shape of its frame: its size has been noticed.
+FRAMED = """() => {
+  const surface = document.querySelector("svg.photo"), { width, height } = surface.getBoundingClientRect();
+  const [, , seen_width, seen_height] = surface.getAttribute("viewBox").split(" ").map(Number);
+  return Math.abs(seen_width / seen_height - width / height) < 0.001;
+}"""
+
 
 @pytest.fixture
 def detection(web_room: Room, web_served: Served) -> dict[str, Any]:
@@ -55,6 +62,8 @@ def test_what_was_found_is_drawn_where_it_is(page: Page, web_room: Room, detecti
 def test_a_photograph_is_moved_and_zoomed_by_wheel_keys_and_buttons(page: Page, web_room: Room) -> None:
     open_photo(page, web_room)
     surface = page.get_by_role("application")
+    expect(page.get_by_role("button", name="Mark in the photograph")).to_be_visible()  # from here on nothing moves
+    page.wait_for_function(FRAMED)
     whole, box = surface.get_attribute("viewBox"), surface.bounding_box()
     assert whole and box
     page.mouse.move(box["x"] + 200, box["y"] + 150)

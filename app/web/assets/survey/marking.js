@@ -43,10 +43,10 @@ export function Marking({ site, detection, marks, error, store, wanted, setWante
     <${Button} kind=${wanted.active ? "" : "primary"} disabled=${!valid} aria-pressed=${wanted.active ? "true" : "false"} onClick=${() => setWanted((before) => ({ ...before, active: !before.active }))}>${wanted.active ? "Stop marking" : "Mark in the photograph"}</${Button}>
     ${wanted.active && html`<p class="small" role="status">Point at dot <b>${wanted.dot}</b> of <b>${wanted.code}</b> and click; on glass put a finger down, aim with the loupe, lift it.</p>`}
     <${Failure} error=${error} />
-    <${Set} detection=${detection} marks=${marks} store=${store} /></section>`;
+    <${Placed} detection=${detection} marks=${marks} store=${store} /></section>`;
 }
 
-function Set({ detection, marks, store }) {
+function Placed({ detection, marks, store }) {
   if (!marks.length) return null;
   const short = lacking(detection, marks);
   return html`<ul class="marks" aria-label="Marks that are set">${marks.map((mark) => html`<li key=${`${mark.code} ${mark.dot}`}><span><b>${mark.code}</b> ${mark.dot} <span class="number small muted">${mark.x_px.toFixed(2)}, ${mark.y_px.toFixed(2)}</span></span>

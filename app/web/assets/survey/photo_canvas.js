@@ -1,5 +1,5 @@
 // A photograph to zoom and move in, with what was seen drawn over it.
-import { html, useEffect, useMemo, useRef, useState } from "../core/html.js";
+import { html, useEffect, useLayoutEffect, useMemo, useRef, useState } from "../core/html.js";
 import { Button } from "../ui/parts.js";
 import { useGestures } from "./gestures.js";
 import { Loupe } from "./loupe.js";
@@ -38,7 +38,7 @@ export function PhotoCanvas({ path, detection, marks, show, picked, focus, marki
   useGestures(surface, act);
   const picture = `${path}?width_px=${Math.min(WIDEST_PX, detection.width_px)}&upright=false`;
   const screen = cursor && [(cursor[0] - shown.x_px) * shown.scale + frame.width / 2, (cursor[1] - shown.y_px) * shown.scale + frame.height / 2];
-  return html`<div class="photo-frame">
+  return html`<div class="photo-frame" style=${{ aspectRatio: `${upright.width_px} / ${upright.height_px}` }}>
     <svg ref=${surface} class=${`photo ${marking ? "marking" : ""} ${shown.scale >= PIXELS_FROM_SCALE ? "squares" : ""}`} viewBox=${viewBoxOf(shown, frame)} tabindex="0" role="application"
       aria-label=${marking ? "Photograph: arrows move the cross, Enter sets the mark, plus and minus zoom" : "Photograph: drag or arrows move it, wheel, pinch, plus and minus zoom, 0 shows all"}>
       <g transform=${upright.transform}><image href=${picture} x="-0.5" y="-0.5" width=${detection.width_px} height=${detection.height_px} /></g>
@@ -65,8 +65,10 @@ function aim(event, [x, y], setCursor, onEnter) {
 /** The size of an element on the screen, followed as it changes. */
 function useFrame(element) {
   const [frame, setFrame] = useState({ width: 800, height: 500 });
-  useEffect(() => {
-    const observer = new ResizeObserver(([entry]) => setFrame({ width: entry.contentRect.width || 1, height: entry.contentRect.height || 1 }));
+  useLayoutEffect(() => {
+    const follow = ({ width, height }) => setFrame({ width: width || 1, height: height || 1 });
+    const observer = new ResizeObserver(([entry]) => follow(entry.contentRect));
+    follow(element.current.getBoundingClientRect());
     observer.observe(element.current);
     return () => observer.disconnect();
   }, []);

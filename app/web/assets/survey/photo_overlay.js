@@ -5,6 +5,7 @@ import { OUTLINE, isBase } from "./dots.js";
 const DOT_SCREEN_PX = 4.5;
 const LETTER_SCREEN_PX = 13;
 const DOTS_SHOWN_FROM_PX = 12; // screen pixels between dots below which they would only cover the plate
+const CODE_SHOWN_FROM_PX = 5; // and below which codes would only cover each other
 
 /** @param {{detection: any, marks: any[], upright: any, scale: number, show: {found: boolean, refused: boolean}, picked: string | null}} given */
 export function Overlay({ detection, marks, upright, scale, show, picked }) {
@@ -22,7 +23,7 @@ function Target({ target, at, scale, picked }) {
   const pitch = scale * Math.hypot(dots[1][0] - dots[0][0], dots[1][1] - dots[0][1]);
   return html`<g class=${`found ${picked ? "picked" : ""}`}><polygon points=${corners.map((point) => point.join(",")).join(" ")} />
     ${pitch >= DOTS_SHOWN_FROM_PX && dots.map(([x, y], cell) => html`<circle key=${cell} class=${`${isBase(cell) ? "base" : ""} ${target.measured[cell] ? "" : "guessed"}`} cx=${x} cy=${y} r=${DOT_SCREEN_PX / scale} />`)}
-    <${Label} points=${corners} scale=${scale} text=${target.code} /></g>`;
+    ${(picked || pitch >= CODE_SHOWN_FROM_PX) && html`<${Label} points=${corners} scale=${scale} text=${target.code} />`}</g>`;
 }
 
 function Refused({ refused, at, scale, picked }) {
