@@ -16,11 +16,15 @@ from tests.api.test_trajectory_import import imported
 from tests.trajectories.walks import walk
 from tests.web.prebuilt import Room, surveyed_room
 
-# How many dots a plan draws, and how many pixels of it are not the ground's.
+# How many dots a plan draws; whether a canvas has so many pixels that something is drawn on.
 COUNT_DOTS = """() => { window.dots = 0; const arc = Path2D.prototype.arc;
   Path2D.prototype.arc = function (...given) { window.dots += 1; return arc.apply(this, given); }; }"""
-INKED = """canvas => { const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  let inked = 0; for (let at = 3; at < data.length; at += 4) inked += data[at] > 0; return inked; }"""
+INKED = """([selector, least]) => {
+  const canvas = document.querySelector(selector);
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let inked = 0;
+  for (let at = 3; at < data.length; at += 4) inked += data[at] > 0;
+  return inked >= least; }"""
 
 
 @pytest.fixture(scope="module")
@@ -61,14 +65,14 @@ def test_a_trajectory_is_seen_inspected_and_saved(
     page.goto(f"/#{path}")
     expect(page.locator(".figure").filter(has_text="poses").locator("b")).to_have_text(str(told["pose_count"]))
     plan = page.get_by_label(re.compile(r"Plan of \d+ poses"))
-    assert page.locator(".plan canvas").first.evaluate(INKED) > 1000
+    page.wait_for_function(INKED, arg=[".plan canvas", 1000])
     plan.focus()
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")
     second = told["poses"][1]
     for name, value, sigma in zip("xyz", second["position_m"], second["position_sigma_m"], strict=True):
         assert fact(page, name) == f"{value:.3f} m ± {1000 * sigma:.1f} mm"
-    assert page.locator(".plan-over").evaluate(INKED) > 10  # a ring about it
+    page.wait_for_function(INKED, arg=[".plan-over", 10])  # a ring about it
     page.keyboard.press("+")
     expect(page.get_by_role("button", name="Show all")).to_be_enabled()
     page.get_by_role("button", name="Show all").click()
@@ -127,7 +131,7 @@ def test_ten_thousand_poses_stay_light(page: Page, web_served: Served) -> None:
     page.evaluate(COUNT_DOTS)
     page.get_by_label(re.compile("Plan of 10,?000 poses")).focus()
     page.keyboard.press("0")
-    drawn = page.evaluate("window.dots")
-    assert 100 < drawn < 6000  # dots that would cover each other are drawn once
+    page.wait_for_function("window.dots > 100")
+    assert page.evaluate("window.dots") < 6000  # dots that would cover each other are drawn once
     page.keyboard.press("End")
     expect(page.get_by_label("Pose", exact=True)).to_contain_text("10,000")

@@ -24,7 +24,11 @@ export function Plan({ label, bounds, draw, keys, points, pointer }) {
   const [fits, setFits] = useState(true);
   const theme = useTheme();
   latest.current = { bounds, draw, points };
-  const redraw = () => { paint(under.current, view.current, latest.current.draw); ring(over.current, view.current, latest.current.points, pointer.get()); };
+  const frame = useRef(0); // of several wishes between two frames one is drawn
+  const redraw = () => {
+    cancelAnimationFrame(frame.current);
+    frame.current = requestAnimationFrame(() => { paint(under.current, view.current, latest.current.draw); ring(over.current, view.current, latest.current.points, pointer.get()); });
+  };
   const look = (next, whole = false) => { view.current = next; setFits(whole); redraw(); };
   const fit = () => look(fitted(latest.current.bounds, view.current.width_px, view.current.height_px), true);
   useEffect(() => {
@@ -37,7 +41,7 @@ export function Plan({ label, bounds, draw, keys, points, pointer }) {
     });
     observer.observe(place.current);
     const ends = [followHands(over.current, view, look, () => latest.current.points, pointer), pointer.listen(() => ring(over.current, view.current, latest.current.points, pointer.get()))];
-    return () => { observer.disconnect(); ends.forEach((end) => end()); };
+    return () => { cancelAnimationFrame(frame.current); observer.disconnect(); ends.forEach((end) => end()); };
   }, [pointer]);
   latest.current.fits = fits;
   useEffect(() => { if (view.current) fits ? fit() : redraw(); }, [...keys, theme, String(bounds)]);

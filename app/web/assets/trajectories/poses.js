@@ -3,6 +3,7 @@ import { address, get } from "../core/api.js";
 
 export const MOST_POSES = 50_000; // that a page holds at once; a part of a longer trajectory is chosen by its times
 const PAGE = 1000;
+const SHOWN_MS = 700; // between two parts that are shown: drawing them takes longer than loading them
 const UPRIGHT = 1e-6; // of a unit vector's part in the plan: a camera that looks along z has no heading
 
 /**
@@ -48,20 +49,23 @@ export const worstSigma = (pose) => (pose.sigma_m ? Math.max(...pose.sigma_m) : 
 export const failureOf = (told) => ({ ...told, time_s: Date.parse(told.captured_at) / 1000 });
 
 /**
- * All poses and failures of a trajectory, told page by page as they come.
+ * All poses and failures of a trajectory, told part by part as they come.
  * @param {string} trajectory_id
  * @param {{from?: string, to?: string}} times
  * @param {(soFar: {trajectory: object, poses: Pose[], failures: object[], whole: boolean}) => void} onPart
  * @param {AbortSignal} signal
  */
 export async function loadPoses(trajectory_id, times, onPart, signal) {
-  let [poses, failures, cursor] = [[], [], null];
+  let [poses, failures, cursor, shown_ms] = [[], [], null, -Infinity];
   do {
     const page = await get(address(`/trajectories/${trajectory_id}`, { limit: PAGE, ...times, cursor }), { signal });
     poses = [...poses, ...page.poses.map(poseOf)];
     failures = [...failures, ...page.failures.map(failureOf)];
     cursor = page.next_cursor;
+    const ended = !cursor || poses.length >= MOST_POSES;
+    if (!ended && performance.now() - shown_ms < SHOWN_MS) continue;
     onPart({ trajectory: page, poses, failures, whole: !cursor });
+    shown_ms = performance.now();
   } while (cursor && poses.length < MOST_POSES);
 }
 

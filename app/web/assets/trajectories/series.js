@@ -60,7 +60,7 @@ function breaks(chart, series, first, last, gap_s, turning) {
   const found = [];
   for (let row = Math.max(first, 1); row <= last; row += 1) {
     const turned = turning && Math.abs(values[row] - values[row - 1]) > 180;
-    if (times[row] - times[row - 1] > gap_s || turned) found.push([times[row - 1], times[row]].map((time) => Math.round(chart.valToPos(time, "x", true))));
+    if (times[row] - times[row - 1] > gap_s || turned) found.push([Math.floor(chart.valToPos(times[row - 1], "x", true)), Math.ceil(chart.valToPos(times[row], "x", true)) + 1]);
   }
   return found;
 }

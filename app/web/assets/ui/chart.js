@@ -25,7 +25,7 @@ export function Chart({ label, data, make, keys = [], height_px = 160, pointer, 
   useEffect(() => {
     const made = new uPlot(optionsOf(make(), place.current.clientWidth, height_px, { pointer, range }), data, place.current);
     chart.current = made;
-    const ends = [followWidth(made, place.current, height_px), pointer && followPointer(made, pointer), range && followRange(made, range)];
+    const ends = [followWidth(made, place.current, height_px), pointer && followPointer(made, pointer), range && followRange(made, range, pointer)];
     return () => { ends.forEach((end) => end?.()); made.destroy(); };
   }, [...keys, theme, height_px]);
   useEffect(() => { if (chart.current.data !== data) chart.current.setData(data, !range?.get()); }, [data]);
@@ -77,21 +77,23 @@ function followWidth(chart, place, height) {
 }
 
 function followPointer(chart, pointer) {
-  return pointer.listen((row, by) => {
-    if (by === chart) return;
-    const x = row === null ? undefined : chart.data[0][row];
-    const left = x === undefined ? -1 : chart.valToPos(x, "x");
-    chart.setCursor({ left, top: left < 0 ? -1 : 1 }, false);
-  });
+  return pointer.listen((row, by) => by === chart || pointAt(chart, row));
 }
 
-function followRange(chart, range) {
+function pointAt(chart, row) {
+  const x = row === null ? undefined : chart.data[0][row];
+  const left = x === undefined ? -1 : chart.valToPos(x, "x");
+  chart.setCursor({ left, top: left < 0 ? -1 : 1 }, false);
+}
+
+function followRange(chart, range, pointer) {
   const follow = (wanted, by) => {
     const xs = chart.data[0];
     if (by === chart || !xs.length) return;
     chart.following = true;
     chart.batch(() => chart.setScale("x", wanted ? { min: wanted[0], max: wanted[1] } : { min: xs[0], max: xs.at(-1) }));
     chart.following = false;
+    if (pointer) pointAt(chart, pointer.get());
   };
   if (range.get()) follow(range.get(), null);
   return range.listen(follow);
