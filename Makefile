@@ -8,7 +8,7 @@ ROOM ?= examples/room
 BIN := $(VENV)/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format bench soak contract clean
+.PHONY: help demo test lint format bench docs soak contract clean
 
 help: ## what can be made
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1|/' | column -t -s '|'
@@ -31,6 +31,9 @@ format: $(VENV)/.ready-test ## let ruff format and mend
 bench: $(VENV)/.ready-bench ## accuracy and speed of a room with truth, and of others on it: make bench [ROOM=path]
 	@$(BIN)/python -m benchmarks.accuracy "$(ROOM)"
 	@$(BIN)/python -m benchmarks.speed --peers "$(ROOM)"
+
+docs: $(VENV)/.ready-test ## the documents as a site, in site/
+	@$(BIN)/mkdocs build --strict
 
 soak: $(VENV)/.ready-test ## hours of malformed images, watched memory and twice the load: make soak [SOAK="--mutants 10000 --minutes 5"]
 	@$(BIN)/python -m benchmarks.soak $(SOAK) "$(ROOM)"
