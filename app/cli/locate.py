@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import add_json, photo_files
 from app.cli.compile_ import compile_first
+from app.cli.located_trajectory import check_suffix, exif_seconds, write_trajectory
 from app.cli.progress import progress
 from app.errors import NotLocated
 
@@ -36,6 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="CAMERA.json",
         help="what `scattermark calibrate` wrote, or intrinsics: width_px, height_px, fx, fy, cx, cy, dist, readout_s",
     )
+    parser.add_argument(
+        "--trajectory", type=Path, metavar="FILE.csv|.tum", help="write the poses by their EXIF times, taken as UTC"
+    )
     add_json(parser)
 
 
@@ -45,15 +49,26 @@ def run(arguments: argparse.Namespace) -> int:
     from app.cli.camera_file import read_camera
     from app.geometry.map_file import read_map
 
+    if arguments.trajectory is not None:
+        check_suffix(arguments.trajectory)
     content = read_map(arguments.map)
     named = read_camera(arguments.camera) if arguments.camera else None
     records = _locate_all(photo_files(arguments.photos), content, named)
+    if arguments.trajectory is not None:
+        _write(arguments.trajectory, records)
     if arguments.json:
         print(json.dumps(records))
     else:
         for record in records:
             print(_line(record))
     return 0 if all("reason" not in record for record in records) else 1
+
+
+def _write(path: Path, records: Sequence[dict[str, Any]]) -> None:
+    located = [record for record in records if "reason" not in record]
+    write_trajectory(
+        path, [{**record, "time_s": exif_seconds(record["photo"], record["captured_at"])} for record in located]
+    )
 
 
 def _locate_all(paths: Sequence[Path], content: MapFile, named: CalibratedCamera | None) -> list[dict[str, Any]]:
@@ -73,13 +88,14 @@ def _record(path: Path, content: MapFile, known: KnownCameras) -> dict[str, Any]
     from app.services.best_pose import rolling_shutter_of
 
     photo = read_photo(path)
+    of_photo = {"photo": path.name, "captured_at": photo.captured_at}
     try:
         best = resect_in_map(photo, detect_in_map(photo, content), content, known)
     except NotLocated as refusal:
-        return {"photo": path.name, "detail": refusal.detail, **refusal.fields}
+        return {**of_photo, "detail": refusal.detail, **refusal.fields}
     shutter = asdict(rolling_shutter_of(best, content.target_map))
     return {
-        "photo": path.name,
+        **of_photo,
         **_pose(best.resection),
         "camera_source": best.camera.source,
         "rolling_shutter": shutter,

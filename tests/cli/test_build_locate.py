@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import shutil
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.cli import main
 from app.cli.room import open_room, true_shots
@@ -54,6 +56,50 @@ def test_snapshots_are_where_they_were_taken(built: Path, capsys: pytest.Capture
         assert (np.abs(error_m) < GROSS_SIGMAS * np.array(record["position_sigma_m"])).all()
         errors_m.append(error_m)
     assert np.sqrt(np.square(errors_m).sum(axis=1).mean()) < ROOM_RMSE_M
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".tum"])
+def test_located_snapshots_are_a_trajectory_in_the_order_of_their_times(
+    suffix: str, built: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / f"walk{suffix}"
+    snapshots = [str(path) for path in reversed(open_room(ROOM).snapshots)]
+    records = located([*snapshots, "--map", str(built / "map.json"), "--trajectory", str(out)], capsys)
+    assert main(["evaluate", str(out), str(out), "--association", "nearest", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)
+    rows = out.read_text().splitlines()[1 if suffix == ".csv" else 0 :]
+    rows = [row for row in rows if not row.startswith("#")]
+    assert len(rows) == sum("reason" not in record for record in records)
+
+
+def test_what_cannot_be_a_trajectory_is_said_before_anything_is_located(
+    built: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    named = ["--map", str(built / "map.json"), "--trajectory", str(tmp_path / "walk.xml")]
+    assert main(["locate", str(ROOM / "locate"), *named]) == 1
+    assert ".csv or .tum" in capsys.readouterr().err
+
+
+def test_a_photograph_without_a_time_has_no_place_in_a_trajectory(
+    built: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bare = tmp_path / "bare.jpg"
+    bare.write_bytes(without_metadata((ROOM / "locate" / "IMG_0000.jpg").read_bytes()))
+    camera = tmp_path / "camera.json"
+    camera.write_text(
+        json.dumps({"width_px": 1280, "height_px": 720, "fx": 921.6, "fy": 921.6, "cx": 643.1, "cy": 357.4})
+    )
+    out = tmp_path / "walk.csv"
+    named = ["--map", str(built / "map.json"), "--camera", str(camera), "--trajectory", str(out)]
+    assert main(["locate", str(bare), *named]) == 1
+    assert "does not tell when it was taken" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def without_metadata(jpeg: bytes) -> bytes:
+    out = io.BytesIO()
+    Image.open(io.BytesIO(jpeg)).save(out, "JPEG", quality=95)
+    return out.getvalue()
 
 
 def test_the_published_method_builds_a_map_from_base_dots_alone(
