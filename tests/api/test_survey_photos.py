@@ -42,6 +42,7 @@ def test_a_photograph_that_is_not_there_says_so(served: Served, survey_id: str) 
         problem = assert_problem(served.client.get(f"/surveys/{survey_id}/images/no.jpg{path}"), 404, "not-found")
         assert problem["filename"] == "no.jpg"
     assert_problem(served.client.get(f"/surveys/none/images/{NAME}"), 404, "not-found")
+    assert_problem(served.client.get(f"/surveys/{survey_id}/images/a%00b.jpg"), 404, "not-found")
 
 
 def test_a_photograph_is_looked_at_when_somebody_asks(served: Served, survey_id: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Header, Path, Query, Response
+from pydantic import AfterValidator
 
 from app.api.dependencies import PathId, ReadSession, Running, WriteSession
 from app.api.entity_tags import headers_of, holds
@@ -13,16 +14,28 @@ from app.api.routes.snapshots import MEDIA_TYPES, PICTURE
 from app.api.schemas.photo_marks import MarksAnswer, MarksBody
 from app.api.schemas.survey_photos import DetectionAnswer
 from app.api.security import needs
+from app.errors import InvalidInput, NotFound
 from app.services import photo_marks
 from app.services.build_options import Strictness
+from app.services.surveys import checked_filename
 from app.vision.display import DisplayOptions
 
 router = APIRouter(tags=["surveys"])
 
 GREATEST_WIDTH_PX = 8192  # as wide as browsers draw a picture
 NOT_MODIFIED = {"description": "The client has it already."}
-Filename = Annotated[str, Path(min_length=1, max_length=200)]
 Reading = Annotated[Strictness, Query(description="How much evidence a target needs to be believed.")]
+
+
+def _of_a_photograph(filename: str) -> str:
+    """A name as surveys store it; what none can have names nothing."""
+    try:
+        return checked_filename(filename)
+    except InvalidInput as error:
+        raise NotFound(f"no survey has a photograph {filename[:100]!r}: {error.detail}", filename=filename) from error
+
+
+Filename = Annotated[str, Path(), AfterValidator(_of_a_photograph)]
 
 
 def wanted_picture(
