@@ -76,7 +76,7 @@ BAR_SHARE = 0.2  # of the map's width
 FRAME, WALL = Pen("muted", 0.5), Pen("ink", 1.6)
 BLANK = Pen("band", 0.0, filled=True)
 UPRIGHT = 0.1  # greatest vertical part of an upright wall's normal: floors are not drawn
-ROOM_SHARE = 0.035  # around what is drawn, of its larger side: numbers of suggestions stand behind their walls
+ROOM_SHARE = 0.05  # around what is drawn, of its larger side: numbers of suggestions stand behind their walls
 SUGGESTED = 6.0  # radius of a suggestion's circle
 
 
