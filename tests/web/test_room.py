@@ -73,6 +73,8 @@ def test_a_surveyed_room_is_looked_at_and_picked(page: Page, web_room: Room, web
     expect(facts.get_by_role("heading", name="Photograph")).to_be_visible()
     facts.get_by_role("button", name=str(target["code"]), exact=True).click()
     expect(facts.get_by_role("heading", name=f"Target {target['code']}")).to_be_visible()
+    page.get_by_role("button", name="Fit all").click()
+    expect(canvas).to_have_attribute("data-view", "room")
     if os.environ.get("SCATTERMARK_SCREENSHOTS") == "1":
         page.screenshot(path=SCREENSHOT)
 
