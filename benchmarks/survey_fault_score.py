@@ -85,7 +85,7 @@ def _summed(scores: list[FaultScore]) -> FaultScore:
         sum(getattr(score, name) for score in scores)
         for name in ("faults", "detected", "named", "false_alarms", "lost")
     )
-    return FaultScore(scores[0].kind, *counts, effects=tuple(effect for score in scores for effect in score.effects))
+    return FaultScore(scores[0].kind, *counts, tuple(effect for score in scores for effect in score.effects))
 
 
 def _score(kind: str, faulty: Faulty, result: SurveyResult | InvalidControlPoints, clean: SurveyResult) -> FaultScore:
