@@ -81,11 +81,15 @@ def _adjusted(faulty: Faulty) -> SurveyResult | InvalidControlPoints:
 
 
 def _summed(scores: list[FaultScore]) -> FaultScore:
-    counts = (
-        sum(getattr(score, name) for score in scores)
-        for name in ("faults", "detected", "named", "false_alarms", "lost")
+    return FaultScore(
+        scores[0].kind,
+        faults=sum(score.faults for score in scores),
+        detected=sum(score.detected for score in scores),
+        named=sum(score.named for score in scores),
+        false_alarms=sum(score.false_alarms for score in scores),
+        lost=sum(score.lost for score in scores),
+        effects=tuple(effect for score in scores for effect in score.effects),
     )
-    return FaultScore(scores[0].kind, *counts, tuple(effect for score in scores for effect in score.effects))
 
 
 def _score(kind: str, faulty: Faulty, result: SurveyResult | InvalidControlPoints, clean: SurveyResult) -> FaultScore:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from app.geometry.control import Role
 from app.geometry.pose import Pose
 from app.geometry.rotation import log_rotation
 from app.geometry.target_map import MappedTarget, TargetMap
@@ -83,7 +84,7 @@ def corridor_drift(seed: int) -> Drift:
     seen = np.unique([one.code for photo in photos for one in photo.detection.targets], return_counts=True)
     held = [int(code) for code, rays in zip(*seen, strict=True) if place[int(code)] < HELD_SHARE and rays > 2]
     codes = rng.choice(held, CONTROL_POINTS, replace=False).tolist()
-    how = "control", CONTROL_SIGMA_M
+    how: tuple[Role, float] = ("control", CONTROL_SIGMA_M)
     control = [control_point(building, code, index, how, rng) for index, code in enumerate(codes)]
     result = adjust_survey(photos, control, PlateSpec(FAMILY, U_M))
     far = [target for target in result.target_map.targets if place[target.code] > FAR_SHARE]
