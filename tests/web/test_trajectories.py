@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,9 @@ from tests.api.serving import Served, room_photos
 from tests.api.test_trajectories import black
 from tests.api.test_trajectory_import import imported
 from tests.trajectories.walks import walk
+from tests.web.conftest import PATIENCE_MS
 from tests.web.prebuilt import Room, surveyed_room
+from tests.web.screenshots import keep_screenshot
 
 # How many dots a plan draws; whether a canvas has so many pixels that something is drawn on.
 COUNT_DOTS = """() => { window.dots = 0; const arc = Path2D.prototype.arc;
@@ -31,6 +34,14 @@ INKED = """([selector, least]) => {
 def own_room(web_served: Served, tmp_path_factory: pytest.TempPathFactory) -> Room:
     """A room whose trajectories may grow."""
     return surveyed_room(web_served, tmp_path_factory, as_new=True)
+
+
+def wait_until(page: Page, ask: str, argument: object = None) -> None:
+    """Ask frame after frame; Playwright's own wait evaluates text, which the pages' policy forbids."""
+    deadline_s = time.monotonic() + PATIENCE_MS / 1000
+    while not page.evaluate(ask, argument):
+        assert time.monotonic() < deadline_s, ask
+        page.evaluate("() => new Promise(requestAnimationFrame)")
 
 
 def fact(page: Page, name: str) -> str:
@@ -53,6 +64,8 @@ def test_a_trajectory_is_found_by_what_it_holds(page: Page, web_room: Room) -> N
     page.get_by_label("Device").fill("phone")
     page.get_by_label("Largest").fill("100")
     page.get_by_role("button", name="Filter").click()
+    expect(row.get_by_role("link")).to_be_visible()
+    keep_screenshot(page, "trajectories")
     row.get_by_role("link").click()
     expect(page.get_by_role("heading", name="phone")).to_be_visible()
 
@@ -65,14 +78,14 @@ def test_a_trajectory_is_seen_inspected_and_saved(
     page.goto(f"/#{path}")
     expect(page.locator(".figure").filter(has_text="poses").locator("b")).to_have_text(str(told["pose_count"]))
     plan = page.get_by_label(re.compile(r"Plan of \d+ poses"))
-    page.wait_for_function(INKED, arg=[".plan canvas", 1000])
+    wait_until(page, INKED, [".plan canvas", 1000])
     plan.focus()
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")
     second = told["poses"][1]
     for name, value, sigma in zip("xyz", second["position_m"], second["position_sigma_m"], strict=True):
         assert fact(page, name) == f"{value:.3f} m ± {1000 * sigma:.1f} mm"
-    page.wait_for_function(INKED, arg=[".plan-over", 10])  # a ring about it
+    wait_until(page, INKED, [".plan-over", 10])  # a ring about it
     page.keyboard.press("+")
     expect(page.get_by_role("button", name="Show all")).to_be_enabled()
     page.get_by_role("button", name="Show all").click()
@@ -82,6 +95,7 @@ def test_a_trajectory_is_seen_inspected_and_saved(
     page.get_by_role("combobox", name="Colour", exact=True).select_option("sigma")
     expect(page).to_have_url(re.compile("colour=sigma"))
     expect(page.get_by_label("heading over time").locator("canvas")).to_be_visible()
+    keep_screenshot(page, "trajectory")
     expect(page.get_by_label("7 poses, 1 failures, 0 gaps over time")).to_be_visible()
     expect(page.get_by_role("region", name="Failures")).to_contain_text("no-targets")
     with page.expect_download() as download:
@@ -131,7 +145,7 @@ def test_ten_thousand_poses_stay_light(page: Page, web_served: Served) -> None:
     page.evaluate(COUNT_DOTS)
     page.get_by_label(re.compile("Plan of 10,?000 poses")).focus()
     page.keyboard.press("0")
-    page.wait_for_function("window.dots > 100")
+    wait_until(page, "() => window.dots > 100")
     assert page.evaluate("window.dots") < 6000  # dots that would cover each other are drawn once
     page.keyboard.press("End")
     expect(page.get_by_label("Pose", exact=True)).to_contain_text("10,000")
