@@ -14,6 +14,7 @@ from sqlalchemy import select, update
 
 from app.geometry.control import ControlPoint
 from app.geometry.marks import Mark
+from app.geometry.print_batch import PrintBatch
 from app.storage.archive_schema import current_revision, kept_tables, tables_at
 from app.storage.database import Database, Session
 from app.storage.evaluation_records import EvaluatedSystem, NewEvaluation
@@ -25,6 +26,7 @@ from app.storage.live_records import LiveOptions, Sample
 from app.storage.marks import MarkRepository
 from app.storage.models import JobRow
 from app.storage.photo_store import PhotoStore, open_photo_store
+from app.storage.print_batches import PrintBatchRepository
 from app.storage.records import GeoAnchor
 from app.storage.sites import SiteRepository
 from app.storage.surveys import DetectionKey, DetectionRepository, SurveyRepository
@@ -88,6 +90,7 @@ def fill(database: Database, folder: Path) -> Scene:
         TargetMapRepository(session).activate(site.site_id, 1)
         points = [ControlPoint(f"P{dot}", CODES[0], dot, np.array([1.0, 2.0, 3.0]), 0.001, "control") for dot in "ABC"]
         SiteRepository(session).replace_control_points(site.site_id, points)
+        PrintBatchRepository(session).replace(site.site_id, (PrintBatch("floor 1", (389,), 99.0, 98.5, 0.2),))
         trajectories = TrajectoryRepository(session)
         default = trajectories.default(site.site_id, "phone-1").trajectory_id
         for outcome in (located(), REFUSED, located()):

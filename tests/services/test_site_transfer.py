@@ -294,6 +294,8 @@ UNSOUND: list[tuple[str, str, Any]] = [
     ("control_points", "dot", "Z"),
     ("control_points", "code", 390),
     ("control_points", "sigma_m", -1.0),
+    ("print_batches", "codes", [390]),
+    ("print_batches", "bar_across_mm", 0.0),
     ("surveys", "site_id", NOBODYS),
     ("photographs", "survey_id", NOBODYS),
     ("photographs", "name", "../../etc/passwd"),
