@@ -43,11 +43,25 @@ def compiled(signature: str) -> Callable[[Function], Function]:
         before, config.CACHE_DIR = config.CACHE_DIR, "" if folder is None else str(folder)
         try:
             build = njit(signature, cache=folder is not None, error_model="numpy", fastmath=REORDERED)
-            return cast(Function, build(function))
+            kernel = build(function)
+        except RuntimeError as error:
+            if not is_kept():
+                raise
+            note_lost()
+            raise ImportError(f"{folder} has lost compiled loops: start again, which compiles them anew") from error
         finally:
             config.CACHE_DIR = before
+        if is_kept():
+            _forget_source(kernel)
+        return cast(Function, kernel)
 
     return compile_now
+
+
+def _forget_source(kernel: Any) -> None:
+    """Let go of what numba would compile a kernel's callers from: of no use where all are kept, and 40 MB in all."""
+    for compilation in kernel.overloads.values():
+        compilation.library._shared_module = None
 
 
 def can_be_kept() -> bool:
@@ -72,6 +86,13 @@ def note_all_kept() -> None:
         for old in folder.parent.glob("kernels-*"):
             if old != folder:
                 shutil.rmtree(old, ignore_errors=True)
+
+
+def note_lost() -> None:
+    """Say that not all is kept after all."""
+    folder = _kept_in()
+    if folder is not None:
+        (folder / _complete()).unlink(missing_ok=True)
 
 
 def _complete() -> str:

@@ -20,6 +20,23 @@ print(halved(3.0), sum(halved.stats.cache_hits.values()), sum(halved.stats.cache
 """
 
 
+CALLER = """
+from app.compiled import compiled, note_all_kept
+
+@compiled("float64(float64)")
+def halved(value: float) -> float:
+    return value / 2.0
+
+@compiled("float64(float64)")
+def quartered(value: float) -> float:
+    return halved(halved(value))
+
+(library,) = (compilation.library for compilation in halved.overloads.values())
+print(quartered(6.0), library._shared_module is None)
+note_all_kept()
+"""
+
+
 def doubled(values: np.ndarray) -> float:
     return float(2.0 * values.sum())
 
@@ -40,6 +57,22 @@ def test_compiled_code_is_read_by_the_next_process(tmp_path: Path) -> None:
             [sys.executable, tmp_path / "kernel.py"], env=environment, capture_output=True, text=True, check=True
         )
         assert run.stdout.strip() == expected
+
+
+def test_what_callers_are_compiled_from_is_let_go_where_all_is_kept(tmp_path: Path) -> None:
+    (tmp_path / "caller.py").write_text(CALLER)
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": os.pathsep.join(sys.path)}
+
+    def run() -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, tmp_path / "caller.py"]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+    assert run().stdout.split() == ["1.5", "False"]
+    assert run().stdout.split() == ["1.5", "True"]
+    for lost in (tmp_path / "cache").rglob("*quartered*"):
+        lost.unlink()
+    assert "has lost compiled loops: start again" in run().stderr
+    assert run().stdout.split() == ["1.5", "False"]
 
 
 def test_where_nothing_can_be_written_kernels_are_compiled_all_the_same(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2 as chi_squared
+from scipy.special import chdtrc
 
 from app.geometry.rotation import exp_rotation
 from app.geometry.similarity import Similarity, estimate_similarity
@@ -76,7 +76,7 @@ class ControlFit:
 
     def is_credible(self, doubt: float) -> bool:
         """Whether chance alone exceeds such residuals with more than a probability ``doubt``."""
-        return bool(chi_squared.sf(self.chi2, self.redundancy) > doubt)
+        return bool(chdtrc(self.redundancy, self.chi2) > doubt)
 
 
 def fit_control(pairs: PointPairs) -> ControlFit:
