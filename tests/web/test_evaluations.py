@@ -15,6 +15,7 @@ from app.trajectories.trajectory import Trajectory
 from tests.api.serving import Served
 from tests.storage.walks import START_S, Step, add_steps
 from tests.trajectories.walks import noisy, walk
+from tests.web.screenshots import keep_screenshot
 
 PAPER = Path(__file__).parents[2] / "examples" / "paper"
 OFF_M = 0.3  # of the running system, along x
@@ -50,6 +51,7 @@ def test_the_papers_tables_come_out_of_its_files(page: Page, web_served: Served,
     expect(page.get_by_text(re.compile("20 poses, format csv, stamps in s"))).to_have_count(5)
     page.get_by_role("combobox", name="Reference", exact=True).select_option(label="truth (20 poses, csv)")
     expect(page.get_by_role("checkbox", checked=True)).to_have_count(4)
+    keep_screenshot(page, "evaluations")
     page.get_by_label("Title").fill("Table 4")
     page.get_by_text("Options", exact=True).click()
     page.get_by_label("Association").select_option("nearest")
@@ -66,6 +68,7 @@ def test_the_papers_tables_come_out_of_its_files(page: Page, web_served: Served,
     assert expected[names.index("samsung-galaxy-s8-1")] == "0.0847 m"  # the paper's Table 4
     expect(page.get_by_role("region", name="Differences").get_by_role("row")).to_have_count(1 + 6)
     expect(page.get_by_label(re.compile("Plan of 80 errors"))).to_be_visible()
+    keep_screenshot(page, "evaluation")
     page.get_by_role("checkbox", name="huawei-p10-1").uncheck()
     expect(page.get_by_label(re.compile("Plan of 60 errors"))).to_be_visible()
     with page.expect_download() as download:

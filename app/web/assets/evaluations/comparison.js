@@ -3,10 +3,18 @@ import { count, metres, number } from "../core/format.js";
 import { html } from "../core/html.js";
 import { Badge, Notice } from "../ui/parts.js";
 
+const OPEN = "The reference tells no uncertainty: whether it is good enough to judge these errors stays open.";
+
 /** What each system's error means beside the reference's own uncertainty. */
-export const Verdicts = ({ systems }) => systems.map(({ name, metrics: { verdict } }) => html`<${Notice} kind=${verdict === null ? "" : verdict.distinguishable ? "good" : "warn"}>
-  <p><b>${name}:</b> ${verdict === null ? "the reference tells no uncertainty: whether it is good enough to judge this error stays open." : `${verdict.sentence}.`}
-  ${verdict?.distinguishable && ` Without the reference's part the system's RMS is ${metres(verdict.system_rms_m, 4)}.`}</p></${Notice}>`);
+export const Verdicts = ({ systems }) => (systems.every(({ metrics }) => metrics.verdict === null)
+  ? html`<${Notice}><p>${OPEN}</p></${Notice}>`
+  : systems.map(({ name, metrics: { verdict } }) => html`<${Verdict} name=${name} verdict=${verdict} />`));
+
+function Verdict({ name, verdict }) {
+  if (verdict === null) return html`<${Notice}><p><b>${name}:</b> ${OPEN}</p></${Notice}>`;
+  return html`<${Notice} kind=${verdict.distinguishable ? "good" : "warn"}><p><b>${name}:</b> ${verdict.sentence}.
+    ${verdict.distinguishable && ` Without the reference's part the system's RMS is ${metres(verdict.system_rms_m, 4)}.`}</p></${Notice}>`;
+}
 
 /** Paired differences of every two systems. */
 export function Differences({ differences }) {

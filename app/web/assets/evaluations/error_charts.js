@@ -1,6 +1,6 @@
 // How large errors are: their distribution with the usual shares, and their course over time.
 import { html, useMemo } from "../core/html.js";
-import { Chart } from "../ui/chart.js";
+import { Chart, staircase } from "../ui/chart.js";
 import { colour, seriesColour } from "../ui/theme.js";
 import { distribution, joined, SIZES } from "./systems.js";
 
@@ -19,7 +19,7 @@ export function Distribution({ systems, size }) {
   const make = () => ({
     axes: [{ label: `error ${SIZES[size].label}, m`, ...AXIS, size: 30 }, { ...AXIS, label: "share of pairs", values: (_, ticks) => ticks.map((tick) => `${Math.round(100 * tick)} %`) }],
     scales: { x: { time: false, range: (_, low, high) => [0, high || 1] }, y: { range: [0, 1.02] } },
-    series: [{}, ...systems.map((system) => ({ label: system.name, stroke: seriesColour(system.index), width: 2, points: { show: false }, spanGaps: true }))],
+    series: [{}, ...systems.map((system) => ({ label: system.name, stroke: seriesColour(system.index), width: 2, points: { show: false }, spanGaps: true, paths: staircase }))],
     hooks: { draw: [(chart) => drawShares(chart)] },
     padding: [8, 16, 0, 0],
   });

@@ -32,8 +32,11 @@ export function Chart({ label, data, make, keys = [], height_px = 160, pointer, 
   return html`<div class="chart" role="img" aria-label=${label} ref=${place}></div>`;
 }
 
+/** A line as a staircase: each value holds until the next. */
+export const staircase = uPlot.paths.stepped({ align: 1 });
+
 /** An axis in the page's colours. */
-export const axis = (more = {}) => ({
+const axis = (more = {}) => ({
   stroke: colour("muted"),
   font: `${FONT_PX}px system-ui, sans-serif`,
   grid: { stroke: colour("line"), width: 1 },
