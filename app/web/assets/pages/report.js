@@ -13,9 +13,9 @@ import { Findings, Summary } from "../survey/report_summary.js";
 import { Photos, Points, Targets } from "../survey/report_tables.js";
 
 export default function ReportPage({ site: siteId, query, who }) {
-  const loaded = useLoaded(async () => ({ site: await get(`/sites/${siteId}`), versions: await all(`/sites/${siteId}/maps`, "maps") }), [siteId]);
+  const loaded = useLoaded(async () => ({ site: await get(`/sites/${siteId}`), versions: await all(`/sites/${siteId}/maps`, "maps") }), [siteId, query.version]);
   return html`<${Loaded} of=${loaded}>${({ site, versions }) => (versions.length
-    ? html`<${Versions} site=${site} versions=${versions} first=${Number(query.version) || site.map_version || versions.at(-1).map_version} who=${who} onChange=${loaded.reload} />`
+    ? html`<${Versions} key=${query.version} site=${site} versions=${versions} first=${Number(query.version) || site.map_version || versions.at(-1).map_version} who=${who} onChange=${loaded.reload} />`
     : html`<h1>Report</h1><${Empty}>No target map yet. Open a <a href=${`#/sites/${siteId}/surveys`}>survey</a>, add photographs and build it.</${Empty}>`)}</${Loaded}>`;
 }
 
