@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.control import ControlPoint
+from app.geometry.observations import TargetObservation
 from app.geometry.pose import Pose
 from app.photogrammetry.survey import SurveyPhoto
 from app.targets.layout import dots_target_m
@@ -86,7 +87,7 @@ def misread(share: float) -> Fault:
     def spoil(sound: Sound, rng: np.random.Generator) -> Faulty:
         codes, photos, false = np.array(list(sound.building.plates)), [], set()
         for photo in sound.photos:
-            targets = []
+            targets: list[TargetObservation] = []
             for seen in photo.detection.targets:
                 if rng.random() < share:
                     shown = [one.code for one in (*photo.detection.targets, *targets)]

@@ -16,7 +16,17 @@ WRITTEN = ("sheets.pdf", "coverage.svg", "seen.png", "map.json", "report.html", 
 
 
 def test_the_site_builds_and_all_links_lead_somewhere(tmp_path: Path) -> None:
-    command = [sys.executable, "-W", "ignore", "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path / "site")]
+    command = [
+        sys.executable,
+        "-W",
+        "ignore",
+        "-m",
+        "mkdocs",
+        "build",
+        "--strict",
+        "--site-dir",
+        str(tmp_path / "site"),
+    ]
     built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert built.returncode == 0, built.stderr
     page = (tmp_path / "site" / "tutorial" / "index.html").read_text()

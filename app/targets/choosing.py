@@ -61,6 +61,7 @@ def choose_codes(
         raise InvalidInput(
             f"{count} codes of the family {family.name} are asked for, and 1 to {len(free)} can be had; "
             "the families hamming, parity and full hold more",
+            field="count",
             code_family=family.name,
             available=len(free),
         )

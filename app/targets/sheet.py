@@ -109,7 +109,9 @@ def sheet_layout(paper: Paper, u_mm: float | None = None) -> SheetLayout:
     """
     u_mm = paper.u_mm if u_mm is None else u_mm
     if not 0.0 < u_mm < float("inf"):
-        raise InvalidInput(f"u_mm is the length of the module in millimetres, a positive number; got {u_mm}")
+        raise InvalidInput(
+            f"u_mm is the length of the module in millimetres, a positive number; got {u_mm}", field="u_mm"
+        )
     plate_mm = PLATE_SIDE_U * u_mm
     width_mm = paper.width_mm - 2 * SIDE_MM
     columns = int(width_mm // (plate_mm + 2 * GAP_MM))
@@ -118,6 +120,7 @@ def sheet_layout(paper: Paper, u_mm: float | None = None) -> SheetLayout:
         raise InvalidInput(
             f"a plate with u = {u_mm:g} mm has a side of {plate_mm:g} mm, too large for {paper.name}; "
             f"up to u = {_largest_u_mm(paper):g} mm fits, or take a larger paper",
+            field="u_mm",
             u_mm=u_mm,
             largest_u_mm=_largest_u_mm(paper),
         )

@@ -66,7 +66,7 @@ async def get_guidance(survey_id: PathId, services: Running) -> GuidanceAnswer:
 
 
 @photo_router.put(
-    "/surveys/{survey_id}/images/{filename:path}",
+    "/surveys/{survey_id}/images/{filename}",
     dependencies=[needs("survey")],
     status_code=201,
     responses={200: {"model": UploadedPhotoAnswer}, **problems(404, 409, 413, 415, 422, 503, 507)},

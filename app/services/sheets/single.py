@@ -35,4 +35,4 @@ def png_of_target(family: str, code: int, px_per_u: int, margin_u: int) -> bytes
 
 def _check(family: str, code: int) -> None:
     if not family_by_name(family).contains(code):
-        raise InvalidInput(f"the family {family} has no code {code}", code=code, code_family=family)
+        raise InvalidInput(f"the family {family} has no code {code}", field="code", code=code, code_family=family)

@@ -40,6 +40,7 @@ def wish_for_site(session: Session, site_id: str, wish: SheetsWish, address: str
     if wish.u_mm is not None and not math.isclose(wish.u_mm, u_mm):
         raise InvalidInput(
             f"the plates of {site.name} have u = {u_mm:g} mm, not {wish.u_mm:g}; leave u_mm out, or make another site",
+            field="u_mm",
             u_mm=u_mm,
         )
     hanging = _codes_on_the_map(session, site)

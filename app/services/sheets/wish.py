@@ -53,9 +53,11 @@ class SheetsWish:
 
     def __post_init__(self) -> None:
         if bool(self.codes) == (self.count is not None):
-            raise InvalidInput("say which codes to print (codes), or how many (count), and not both")
+            raise InvalidInput("say which codes to print (codes), or how many (count), and not both", field="codes")
         if self.link is not None and "{code}" not in self.link:
-            raise InvalidInput("a link for QR codes says with {code} where the code stands in it", link=self.link)
+            raise InvalidInput(
+                "a link for QR codes says with {code} where the code stands in it", field="link", link=self.link
+            )
 
 
 @dataclass(frozen=True)
@@ -105,6 +107,7 @@ def codes_of_text(text: str) -> tuple[int, ...]:
         if not 0 < start <= stop < CODE_COUNT:
             raise InvalidInput(
                 f"{part!r} names no codes: write numbers from 1 to {CODE_COUNT - 1} or ranges such as 400-420",
+                field="codes",
                 codes=part,
             )
         codes.extend(range(start, stop + 1))
@@ -124,7 +127,9 @@ def plan_sheets(wish: SheetsWish) -> SheetsPlan:
     wanted = len(wish.codes) if wish.count is None else wish.count
     if wanted > MOST_TARGETS:
         raise InvalidInput(
-            f"{wanted} targets are too many for one file; print up to {MOST_TARGETS} at a time", most=MOST_TARGETS
+            f"{wanted} targets are too many for one file; print up to {MOST_TARGETS} at a time",
+            field="codes",
+            most=MOST_TARGETS,
         )
     codes = wish.codes if wish.count is None else choose_codes(family, wish.count, wish.taken)
     _check(family, codes)
@@ -137,6 +142,7 @@ def _check(family: CodeFamily, codes: tuple[int, ...]) -> None:
         raise InvalidInput(
             f"no codes of the family {family.name}: {', '.join(map(str, foreign))}; code 0 is never printed, "
             "and only the family full holds every other number up to 177146",
+            field="codes",
             codes=foreign,
         )
     repeated = sorted({code for code in codes if codes.count(code) > 1})
@@ -144,5 +150,6 @@ def _check(family: CodeFamily, codes: tuple[int, ...]) -> None:
         raise InvalidInput(
             f"codes that come twice: {', '.join(map(str, repeated))}; two targets of one code in a site cannot be told "
             "from each other",
+            field="codes",
             codes=repeated,
         )
