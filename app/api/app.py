@@ -80,7 +80,14 @@ def build_api(settings: Settings, open_services: OpenServices) -> FastAPI:
             yield {"services": services}
             app.state.metrics_page.registry.unregister(services.metrics)
 
-    app = FastAPI(title="Scattermark", description=DESCRIPTION, docs_url=None, redoc_url=None, lifespan=lifespan)
+    app = FastAPI(
+        title="Scattermark",
+        description=DESCRIPTION,
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        lifespan=lifespan,
+    )
     add_handlers(app)
     app.state.draining = Draining()  # whoever runs the server says when it leaves
     app.state.metrics_page = MetricsPage()

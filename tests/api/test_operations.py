@@ -22,7 +22,11 @@ def test_the_clock_is_utc(served: Served) -> None:
 
 def test_wrong_addresses_and_methods_are_problems_too(served: Served) -> None:
     assert_problem(served.client.get("/nowhere"), 404, "not-found")
-    for path, methods in (("/sites", "GET, POST"), ("/sites/x", "DELETE, GET, PATCH"), ("/surveys/x/images/y", "PUT")):
+    for path, methods in (
+        ("/sites", "GET, POST"),
+        ("/sites/x", "DELETE, GET, PATCH"),
+        ("/surveys/x/images/y", "GET, PUT"),
+    ):
         refused = served.client.request("TRACE", path)
         assert "TRACE" in assert_problem(refused, 405, "method-not-allowed")["detail"]
         assert refused.headers["allow"] == methods

@@ -69,7 +69,7 @@ def test_a_single_target_is_a_picture(served: Served) -> None:
     assert bgr is not None
     (target,) = choose_detector("default", "strict").detect(bgr.astype(np.uint8), GOLAY).targets
     assert target.code == 389
-    assert served.client.get("/targets/388.svg").status_code == 422
+    assert served.client.get("/targets/388.svg").status_code == 404
     assert served.client.get("/targets/0.png").status_code == 422
 
 

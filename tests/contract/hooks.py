@@ -90,7 +90,7 @@ RULES = (
     Rule("POST /trajectories/import", ("unreadable-trajectory",)),
     Rule("POST /trajectories/import", ("invalid-input",), ("times", "query.site_id")),  # as with snapshots
     # Which codes a family holds; a plate that fits its paper; what to print, said in one way.
-    Rule("GET /targets/.*", ("invalid-input",), ("codes?", "count", "u_mm")),
+    Rule("GET /targets/.*", ("invalid-input",), ("codes", "count", "u_mm")),
     # Only what an answer named before: the cursor of a page, the id of an event.
     Rule("GET .*", ("invalid-input",), ("cursor", "Last-Event-ID")),
     # Codes of the site's family, each dot once, within the photograph.

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from app.errors import Cancelled, StorageUnavailable, SurveyFailed, TimedOut, WorkerCrashed
-from app.services import adjust_work
+from app.services import adjust_work, write_patiently
 from app.services.adjust_work import AdjustTask, Unreadable, adjust_and_publish
 from app.services.build_map import PHOTOS_PER_CHUNK, BuildLimits, MapBuilder
 from app.services.build_options import BuildOptions, Exclusion
@@ -285,14 +285,21 @@ class Away:
 
 
 def test_a_publication_waits_for_a_database_that_is_away(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(adjust_work, "PUBLISH_PAUSES_S", (0.0, 0.0))
+    monkeypatch.setattr(write_patiently, "PAUSES_S", (0.0, 0.0))
     job = running_job(database)
     with database.reading() as session:
         material = adjust_work._gather(session, AdjustTask(job.run, ()))
     publication = examples.publication(job.job_id, job.survey_id)
+
+    def published_by(away: Away) -> int:
+        return write_patiently.write_patiently(
+            job.job_id,
+            lambda: adjust_work._publish(away, material, publication),  # type: ignore[arg-type]
+        )
+
     with pytest.raises(StorageUnavailable):
-        adjust_work._publish_patiently(Away(database, 3), material, publication)  # type: ignore[arg-type]
-    assert adjust_work._publish_patiently(Away(database, 2), material, publication) == 1  # type: ignore[arg-type]
+        published_by(Away(database, 3))
+    assert published_by(Away(database, 2)) == 1
 
 
 def test_progress_that_cannot_be_written_ends_no_work(database: Database) -> None:

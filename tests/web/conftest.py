@@ -33,8 +33,9 @@ def web_room(web_served: Served, tmp_path_factory: pytest.TempPathFactory) -> Ro
     return surveyed_room(web_served, tmp_path_factory)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:
+    """A browser for the tests of one file: while it runs, its driver's event loop is this thread's only one."""
     path = find_chromium()
     if path is None:
         raise NoBrowser("there is no Chromium; `make test` installs one, or run python -m tests.web.chromium")

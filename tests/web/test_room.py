@@ -17,6 +17,7 @@ from tests.web.large_site import PHOTOS, POSES, TARGETS, large_site
 from tests.web.prebuilt import Room
 
 # Grid, axes, plates, codes, ellipsoids, frusta, points, poses with and without a direction, ring, rays.
+STILL_FRAMES = 30
 DRAW_CALLS = 11
 SCREENSHOT = Path(__file__).parents[2] / "docs" / "images" / "room.png"
 NO_WEBGL = """const context = HTMLCanvasElement.prototype.getContext;
@@ -79,6 +80,15 @@ def test_a_surveyed_room_is_looked_at_and_picked(page: Page, web_room: Room, web
         page.screenshot(path=SCREENSHOT)
 
 
+def settled_calls(page: Page) -> int:
+    """Draw calls of a frame once they stay the same over many."""
+    counts = [0, 1]
+    while len(set(counts)) > 1:
+        ask = "() => new Promise(requestAnimationFrame).then(() => document.querySelector('canvas').dataset.drawCalls)"
+        counts = [int(page.evaluate(ask)) for _ in range(STILL_FRAMES)]
+    return counts[0]
+
+
 def test_views_layers_ellipsoids_and_the_keyboard(page: Page, web_room: Room) -> None:
     page.goto(f"/#/sites/{web_room.site_id}/room")
     canvas = drawn(page)
@@ -91,11 +101,14 @@ def test_views_layers_ellipsoids_and_the_keyboard(page: Page, web_room: Room) ->
     page.get_by_role("slider", name="Ellipsoids enlarged by").fill("6")
     expect(page.get_by_test_id("scale")).to_contain_text("10 cm in the room are 1.0 mm")
     expect(page.get_by_role("button", name="Poses")).not_to_contain_text("Poses 0")
-    calls = int(canvas.get_attribute("data-draw-calls") or 0)
-    assert calls <= DRAW_CALLS
-    for layer in ("Codes", "Photographs", "Grid and axes"):
-        page.get_by_role("checkbox", name=layer).uncheck()
-    expect(canvas).to_have_attribute("data-draw-calls", str(calls - 4))
+    layers = [page.get_by_role("checkbox", name=layer) for layer in ("Codes", "Photographs", "Grid and axes")]
+    for layer in layers:
+        layer.uncheck()
+    fewest = settled_calls(page)
+    for layer in layers:
+        layer.check()
+    expect(canvas).to_have_attribute("data-draw-calls", str(fewest + 4))
+    assert fewest + 4 <= DRAW_CALLS
 
     page.get_by_role("button", name="Control points").click()
     row = page.get_by_role("region", name="Control points").get_by_role("row").nth(1)

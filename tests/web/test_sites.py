@@ -67,6 +67,6 @@ def test_colours_follow_the_reader(page: Page) -> None:
     page.emulate_media(color_scheme="dark")
     page.goto("/")
     page.get_by_role("button", name="Colours: Auto").click()
-    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+    expect(page.locator("html")).to_have_attribute("data-theme", "dark")
     page.get_by_role("button", name="Colours: Dark").click()
-    assert page.evaluate("getComputedStyle(document.documentElement).backgroundColor") == "rgb(255, 255, 255)"
+    expect(page.locator("html")).to_have_css("background-color", "rgb(255, 255, 255)")

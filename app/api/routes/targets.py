@@ -36,7 +36,9 @@ async def get_sheets(wish: WantedSheets, services: Running) -> Response:
     return Response(pdf, media_type=PDF, headers={"Content-Disposition": NAMED.format("scattermark-targets.pdf")})
 
 
-@router.get("/targets/{code}.svg", response_class=Response, responses={200: {"content": {SVG: {}}}, **problems(422)})
+@router.get(
+    "/targets/{code}.svg", response_class=Response, responses={200: {"content": {SVG: {}}}, **problems(404, 422)}
+)
 def get_target_svg(
     code: Code, _principal: Reading, family: Family = "golay", u_mm: UMm = single.DEFAULT_U_MM, margin_u: Margin = 1
 ) -> Response:
@@ -44,7 +46,9 @@ def get_target_svg(
     return _picture(single.svg_of_target(family, code, u_mm, margin_u), SVG, f"target-{code}.svg")
 
 
-@router.get("/targets/{code}.png", response_class=Response, responses={200: {"content": {PNG: {}}}, **problems(422)})
+@router.get(
+    "/targets/{code}.png", response_class=Response, responses={200: {"content": {PNG: {}}}, **problems(404, 422)}
+)
 def get_target_png(
     code: Code, _principal: Reading, family: Family = "golay", px_per_u: PxPerU = 20, margin_u: Margin = 1
 ) -> Response:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.errors import InvalidInput
+from app.errors import NotFound
 from app.targets.drawing import DEFAULT_U_MM, plate_png, plate_svg
 from app.targets.family import family_by_name
 
@@ -14,7 +14,7 @@ def svg_of_target(family: str, code: int, u_mm: float, margin_u: float) -> bytes
 
     Raises
     ------
-    InvalidInput
+    NotFound
         When the family does not hold the code.
     """
     _check(family, code)
@@ -26,7 +26,7 @@ def png_of_target(family: str, code: int, px_per_u: int, margin_u: int) -> bytes
 
     Raises
     ------
-    InvalidInput
+    NotFound
         When the family does not hold the code.
     """
     _check(family, code)
@@ -35,4 +35,4 @@ def png_of_target(family: str, code: int, px_per_u: int, margin_u: int) -> bytes
 
 def _check(family: str, code: int) -> None:
     if not family_by_name(family).contains(code):
-        raise InvalidInput(f"the family {family} has no code {code}", field="code", code=code, code_family=family)
+        raise NotFound(f"the family {family} has no code {code}", field="code", code=code, code_family=family)

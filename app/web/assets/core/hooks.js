@@ -12,10 +12,12 @@ export function useLoaded(load, keys) {
   const [turn, setTurn] = useState(0);
   useEffect(() => {
     const controller = new AbortController();
+    // What was asked for before may come after what is asked for now: it says nothing any more.
+    const unlessOld = (change) => controller.signal.aborted || setState(change);
     setState((before) => ({ ...before, loading: true }));
     load(controller.signal).then(
-      (data) => setState({ data, error: null, loading: false }),
-      (error) => error.name === "AbortError" || setState((before) => ({ ...before, error, loading: false })),
+      (data) => unlessOld({ data, error: null, loading: false }),
+      (error) => unlessOld((before) => ({ ...before, error, loading: false })),
     );
     return () => controller.abort();
   }, [...keys, turn]);
