@@ -6,6 +6,7 @@ import os
 import resource
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
@@ -28,6 +29,8 @@ LONG = endless_scans(2000)  # far longer than the limit
 LARGE = png(6000, 5000)  # 90 MB once decoded
 ROOM_BYTES = 32 * 2**20  # less than that
 
+RESTART_S = 60.0
+
 
 @pytest.fixture(scope="module")
 def narrow(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
@@ -44,7 +47,10 @@ def nothing_is_lost(narrow: Ledger) -> Iterator[None]:
 
 
 def worker_pid(ledger: Ledger) -> int:
-    pids = ledger.served.services.locator._pool.pids
+    deadline_s = time.monotonic() + RESTART_S  # one that died is being replaced
+    while not (pids := ledger.served.services.locator._pool.pids):
+        assert time.monotonic() < deadline_s, "no worker came"
+        time.sleep(0.01)
     assert len(pids) == 1
     return pids[0]
 

@@ -156,6 +156,7 @@ def test_a_page_follows_the_index_and_sorts_nothing(database: Database) -> None:
         if dialect.name == "postgresql":
             session.execute(text("SET LOCAL enable_seqscan = off"))  # an empty table needs no index
             session.execute(text("SET LOCAL enable_bitmapscan = off"))
+            session.execute(text("SET LOCAL enable_sort = off"))  # a few rows are sorted as cheaply by another index
         plan = " ".join(str(line[-1]) for line in session.execute(text(explained)))
     assert "ix_snapshots_by_time" in plan
     assert "Sort" not in plan
