@@ -23,6 +23,7 @@ from app.targets.layout import (
     DOT_RADIUS_U,
     EDGE_TO_DOT_U,
     PLATE_SIDE_U,
+    dots_from_corner_u,
 )
 
 Image = npt.NDArray[np.uint8]
@@ -125,12 +126,10 @@ def plate_svg(code: int, u_mm: float = DEFAULT_U_MM, margin_u: float = 0.0) -> s
 
 def _svg_dots(code: int, u_mm: float, margin_mm: float) -> list[str]:
     dots = []
-    for cell, colour in enumerate(cell_colours_rgb(code).tolist()):
+    centres_mm = margin_mm + dots_from_corner_u() * u_mm
+    for (x_mm, y_mm), colour in zip(centres_mm.tolist(), cell_colours_rgb(code).tolist(), strict=True):
         if tuple(colour) == BLACK_RGB:
             continue  # a black dot is the plate itself
-        row, column = divmod(cell, CELLS_PER_SIDE)
-        x_mm = margin_mm + (EDGE_TO_DOT_U + DOT_PITCH_U * column) * u_mm
-        y_mm = margin_mm + (EDGE_TO_DOT_U + DOT_PITCH_U * row) * u_mm
         radius_mm = DOT_RADIUS_U * u_mm
         dots.append(f'<circle cx="{x_mm:.4f}" cy="{y_mm:.4f}" r="{radius_mm:.4f}" fill="{_hex(tuple(colour))}"/>')
     return dots

@@ -30,6 +30,11 @@ def dot_centres_u() -> npt.NDArray[np.float64]:
     return np.stack([DOT_PITCH_U * column - 4.5, -(DOT_PITCH_U * row - 4.5)], axis=1)
 
 
+def dots_from_corner_u() -> npt.NDArray[np.float64]:
+    """Dot centres from the plate's top left corner, x to the right, y down, shape (16, 2), in u, row-major cells."""
+    return dot_centres_u() * [1.0, -1.0] + PLATE_SIDE_U / 2
+
+
 def dots_target_m(u_m: float, scale_xy: tuple[float, float] = (1.0, 1.0)) -> npt.NDArray[np.float64]:
     """Dot centres in the target frame, shape (16, 3), in metres.
 

@@ -33,7 +33,9 @@ def surveyed_room(served: Served, folders: pytest.TempPathFactory, *, as_new: bo
 
     As new it is another site each time: for a test that changes it.
     """
-    archive = folders.getbasetemp().parent / "surveyed-room.scattermark"
+    # Of this run alone: an archive that outlives it is of other code. A run's processes share the folder above theirs.
+    base = folders.getbasetemp()
+    archive = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "surveyed-room.scattermark"
     with _alone(archive.with_suffix(".lock")):
         if not archive.exists():
             _make_archive(served, archive)

@@ -11,7 +11,7 @@ import pypdfium2
 
 from app.errors import SheetUnreadable
 from app.services.sheets.wish import SheetsPlan
-from app.targets.layout import PLATE_SIDE_U, dot_centres_u
+from app.targets.layout import dots_from_corner_u
 from app.targets.sheet import Place
 from app.vision.detectors import choose_detector
 
@@ -94,5 +94,4 @@ def _read_page(page: pypdfium2.PdfPage, plan: SheetsPlan, number: int, options: 
 def _drawn_px(place: Place, u_mm: float, px_per_mm: Floats) -> Floats:
     """Where a plate's dots stand in the raster, shape (16, 2)."""
     corner_mm = np.array([place.x_mm, place.y_mm])
-    from_corner_mm = (dot_centres_u() * [1.0, -1.0] + PLATE_SIDE_U / 2) * u_mm
-    return np.asarray((corner_mm + from_corner_mm) * px_per_mm - HALF_PIXEL)
+    return np.asarray((corner_mm + dots_from_corner_u() * u_mm) * px_per_mm - HALF_PIXEL)

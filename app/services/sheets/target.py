@@ -8,12 +8,7 @@ from app.services.reporting.pdf.fonts import BOLD
 from app.services.sheets.pen import Pen, Rgb, Writing, width_mm_of
 from app.services.sheets.wish import SheetsPlan
 from app.targets.drawing import BLACK_RGB, LABEL_RGB, cell_colours_rgb
-from app.targets.layout import (
-    CELLS_PER_SIDE,
-    DOT_PITCH_U,
-    DOT_RADIUS_U,
-    EDGE_TO_DOT_U,
-)
+from app.targets.layout import DOT_RADIUS_U, PLATE_SIDE_U, dots_from_corner_u
 from app.targets.sheet import Place
 
 INK_RGB = (24, 24, 26)
@@ -35,14 +30,14 @@ def draw_target(pen: Pen, plan: SheetsPlan, code: int, place: Place) -> None:
 
 
 def _draw_plate(pen: Pen, u_mm: float, code: int, place: Place) -> None:
-    side_mm = 2 * EDGE_TO_DOT_U * u_mm + (CELLS_PER_SIDE - 1) * DOT_PITCH_U * u_mm
+    side_mm = PLATE_SIDE_U * u_mm
     pen.rectangle((place.x_mm, place.y_mm, side_mm, side_mm), BLACK_RGB)
-    for cell, colour in enumerate(cell_colours_rgb(code).tolist()):
+    for (x_mm, y_mm), colour in zip(
+        (dots_from_corner_u() * u_mm).tolist(), cell_colours_rgb(code).tolist(), strict=True
+    ):
         rgb: Rgb = (colour[0], colour[1], colour[2])
         if rgb == BLACK_RGB:
             continue  # a black dot is the plate itself
-        row, column = divmod(cell, CELLS_PER_SIDE)
-        x_mm, y_mm = (EDGE_TO_DOT_U * u_mm + DOT_PITCH_U * u_mm * index for index in (column, row))
         pen.disc((place.x_mm + x_mm, place.y_mm + y_mm), DOT_RADIUS_U * u_mm, rgb)
 
 
