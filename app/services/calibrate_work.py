@@ -104,7 +104,7 @@ def calibration_to_json(calibration: Calibration) -> dict[str, Any]:
         "not_carried": list(calibration.not_carried),
         "rms_residual_px": calibration.rms_residual_px,
         "targets": calibration.targets,
-        "photographs": list(calibration.photos),
+        "photographs": [asdict(photo) for photo in calibration.photos],
         "left_out": [asdict(photo) for photo in calibration.left_out],
         "refused_targets": [asdict(target) for target in calibration.refused_targets],
     }

@@ -10,7 +10,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from app.errors import Conflict, InvalidInput
+from app.errors import Conflict, InvalidInput, NotFound
 from app.photogrammetry.calibration.adjust import FEWEST_PHOTOS
 from app.services.job_kinds import CALIBRATE
 from app.services.surveys import PhotoIntake, Upload
@@ -34,6 +34,8 @@ class CalibrationWish:
     ----------
     site_id : str
         Whose active map the photographs show.
+    survey_id : str or None
+        Of the site, that holds the photographs; None when they come with the wish.
     device_id : str or None
         Whose camera it is; without it any device of the model may be this one.
     readout_s : float or None
@@ -41,6 +43,7 @@ class CalibrationWish:
     """
 
     site_id: str
+    survey_id: str | None = None
     device_id: str | None = None
     readout_s: float | None = None
 
@@ -71,6 +74,32 @@ class CalibrationDesk:
         self._intake = intake
 
     async def take(self, wish: CalibrationWish, uploads: Sequence[Upload]) -> Job:
+        """Put a calibration in the queue, by the photographs of a survey or by those that come with the wish.
+
+        Raises
+        ------
+        NotFound
+            When there is no such site, or no such survey of it.
+        Conflict
+            When the site has no map.
+        InvalidInput
+            When the photographs are too few or too many, or come both ways.
+        """
+        if wish.survey_id is None:
+            return await self._with_uploads(wish, uploads)
+        if uploads:
+            raise InvalidInput("name a survey or send photographs, not both", field="survey_id")
+        return await asyncio.to_thread(self._by_survey, wish, wish.survey_id)
+
+    def _by_survey(self, wish: CalibrationWish, survey_id: str) -> Job:
+        with self._database.writing() as session:
+            surveys = SurveyRepository(session)
+            if surveys.get(survey_id).site_id != wish.site_id:
+                raise NotFound(f"the site has no survey {survey_id}", survey_id=survey_id)
+            _check_count(surveys.photo_count(survey_id))
+            return _queued(session, wish, survey_id)
+
+    async def _with_uploads(self, wish: CalibrationWish, uploads: Sequence[Upload]) -> Job:
         """Keep the photographs, as a survey of their own, and put the calibration in the queue: all or nothing.
 
         Raises
@@ -112,7 +141,7 @@ def _queued(session: Session, wish: CalibrationWish, survey_id: str) -> Job:
 def _check_count(count: int) -> None:
     if not FEWEST_PHOTOS <= count <= MOST_PHOTOS:
         raise InvalidInput(
-            f"{count} photographs were sent and a calibration takes {FEWEST_PHOTOS} to {MOST_PHOTOS}: 5 to 20 of the "
+            f"{count} photographs are there and a calibration takes {FEWEST_PHOTOS} to {MOST_PHOTOS}: 5 to 20 of the "
             "site's targets, near and far in one picture, all over it, every third with the phone turned by a quarter",
             field="images",
         )

@@ -54,10 +54,23 @@ class CameraRepository:
         ------
         NotFound
         """
+        return _camera(self._row(camera_id))
+
+    def delete(self, camera_id: str) -> None:
+        """Forget a camera.
+
+        Raises
+        ------
+        NotFound
+        """
+        self._session.delete(self._row(camera_id))
+        self._session.flush()
+
+    def _row(self, camera_id: str) -> CameraRow:
         row = self._session.get(CameraRow, camera_id)
         if row is None:
             raise NotFound(f"there is no camera {camera_id}; GET /cameras lists them", camera_id=camera_id)
-        return _camera(row)
+        return row
 
     def page(
         self,

@@ -25,7 +25,7 @@ class Question:
 
 @dataclass(frozen=True)
 class CameraState:
-    """How many cameras there are and when the newest came: cameras are added and never changed.
+    """How many cameras there are and when the newest came: cameras come and go and never change.
 
     The count alone would miss one that came with another's end, the time one that a slow clock made.
     """

@@ -114,6 +114,7 @@ def changes(guarded: Guarded) -> dict[tuple[str, str], Callable[[], httpx.Respon
         ("post", "/jobs/{job_id}/retry"): lambda: client.post(f"/jobs/{ids['job_id']}/retry"),
         ("post", "/sites/{site_id}/maps/{version}/activate"): activated,
         ("post", "/cameras/calibrations"): lambda: calibrated(guarded, ids),
+        ("delete", "/cameras/{camera_id}"): lambda: camera_forgotten(guarded, ids["site_id"]),
         ("post", "/alerts/{alert_id}/acknowledge"): lambda: client.post(
             f"/alerts/{raise_alert(guarded, ids['site_id'])}/acknowledge"
         ),
@@ -155,6 +156,11 @@ def calibrated(guarded: Guarded, ids: dict[str, str]) -> httpx.Response:
     answer = guarded.client.post("/cameras/calibrations", data={"site_id": ids["site_id"]}, files=images)
     ids["calibration_id"] = answer.json().get("job_id", "")
     return answer
+
+
+def camera_forgotten(guarded: Guarded, site_id: str) -> httpx.Response:
+    (camera,) = guarded.client.get("/cameras", params={"site_id": site_id}).json()["cameras"]
+    return guarded.client.delete(f"/cameras/{camera['camera_id']}")
 
 
 def kept_samples(guarded: Guarded, live_id: str) -> httpx.Response:

@@ -44,7 +44,12 @@ def test_the_result_is_the_phones_camera(calibrated: dict[str, Any]) -> None:
     assert (np.abs(found - truth) < SURE * sigmas).all()
     assert sigmas[0] < 0.003 * truth[0]
     assert (calibrated["width_px"], calibrated["height_px"]) == (960, 720)
-    assert len(calibrated["photographs"]) == PHOTOS - 1
+    photographs = calibrated["photographs"]
+    assert [photo["name"] for photo in photographs] == [f"photo{index}.jpg" for index in range(PHOTOS - 1)]
+    # Residuals of all coordinates are those of the photographs together: no more than the worst, no less than the best.
+    rms_px = [photo["rms_residual_px"] for photo in photographs]
+    assert min(rms_px) < calibrated["rms_residual_px"] < max(rms_px)
+    assert all(photo["targets"] > 0 for photo in photographs)
     assert "report_url" not in calibrated
 
 
@@ -68,6 +73,27 @@ def test_snapshots_of_the_phone_are_located_by_it_and_those_of_another_unit_less
         assert (np.abs(np.array(located["position_m"]) - truth_m) < SURE * sigma_m).all()
         sigmas_m[source] = np.linalg.norm(sigma_m)
     assert sigmas_m["calibration"] < sigmas_m["model"]
+
+
+def test_photographs_of_a_survey_give_the_same_camera_and_a_camera_is_forgotten(
+    served: Served, room: SurveyedRoom, calibrated: dict[str, Any], taken: list[RenderedPhoto]
+) -> None:
+    survey_id = served.new_survey(room.site_id, note="photographs that calibrate a camera")
+    fields = {"survey_id": survey_id, "device_id": "phone-12"}
+    assert_problem(asked(served, room.site_id, [], **fields), 422, "invalid-input")  # it has none yet
+    for index, photo in enumerate(taken[:-1]):
+        assert served.put_photo(survey_id, f"photo{index}.jpg", photo.jpeg).status_code == 201
+    assert_problem(asked(served, room.site_id, [taken[0].jpeg], **fields), 422, "invalid-input")
+    assert_problem(asked(served, served.new_site(), [], **fields), 404, "not-found")
+    job = served.wait(asked(served, room.site_id, [], **fields).json()["job_id"])
+    assert job["survey_id"] == survey_id
+    assert [job["result"][name] for name in ("fx", "cx")] == pytest.approx([calibrated[name] for name in ("fx", "cx")])
+    path = f"/cameras/{job['result']['camera_id']}"
+    assert served.locate(room.site_id, taken[-1].jpeg, device_id="phone-12").json()["camera_source"] == "calibration"
+    assert served.client.delete(path).status_code == 204
+    assert served.client.get("/cameras", params={"device_id": "phone-12"}).json()["cameras"] == []
+    assert served.locate(room.site_id, taken[-1].jpeg, device_id="phone-12").json()["camera_source"] == "model"
+    assert_problem(served.client.delete(path), 404, "not-found")
 
 
 def test_what_cannot_be_right_is_refused_at_once_and_leaves_nothing(

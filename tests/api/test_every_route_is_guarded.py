@@ -120,11 +120,13 @@ def furnished(guarded: Guarded) -> Furnished:
         live = open_live(session, trajectory.trajectory_id, "uwb", LiveOptions())
     estimate_id = imported(guarded, "".join(tum_text([walk(5.0)])), site_id=site_id)["trajectory_id"]
     truth_id = imported(guarded, "".join(tum_text([walk(5.0)])), site_id=site_id)["trajectory_id"]
+    camera = guarded.client.get("/cameras", params={"site_id": site_id}).json()["cameras"][0]
     evaluation = guarded.client.post("/evaluations", json={"reference_id": truth_id, "estimate_id": estimate_id})
     ids = {
         "evaluation_id": evaluation.json()["evaluation_id"],
         "live_id": live.live_id,
         "alert_id": alert.alert_id,
+        "camera_id": camera["camera_id"],
         "reference_id": truth_id,
         "estimate_id": estimate_id,
         "site_id": site_id,

@@ -56,7 +56,7 @@ RULES = (
     # Letters of any script: the patterns that all tools of OpenAPI agree on know ASCII only.
     Rule("(POST|PUT) /surveys/.*/images.*", ("invalid-input",), ("filename",)),
     # Some more photographs than one: how many the words say. A form's number is a text.
-    Rule("POST /cameras/calibrations", ("invalid-input",), ("filename", "images", "body.readout_s")),
+    Rule("POST /cameras/calibrations", ("invalid-input",), ("filename", "images", "body.readout_s", "survey_id")),
     # No pattern knows the calendar, and none compares two parameters.
     Rule("GET /trajectories.*", ("invalid-input",), ("from", "to", "bbox")),
     Rule("POST /locate", ("invalid-input",), ("captured_at",)),

@@ -26,6 +26,7 @@ class CalibrationForm:
     """What a form says of a calibration beside its photographs."""
 
     site_id: str
+    survey_id: str | None
     device_id: str | None
     readout_s: float | None
 
@@ -33,6 +34,9 @@ class CalibrationForm:
     def of_form(
         cls,
         site_id: Annotated[Id, Form(min_length=1, description="Whose active map the photographs show.")],
+        survey_id: Annotated[
+            Id | None, Form(description="Of the site, that holds the photographs; then none are sent along.")
+        ] = None,
         device_id: Annotated[Text | None, Form(description="Whose camera it is.")] = None,
         readout_s: Annotated[
             float | None,
@@ -40,11 +44,11 @@ class CalibrationForm:
         ] = None,
     ) -> CalibrationForm:
         """The form's fields."""
-        return cls(site_id, device_id, readout_s)
+        return cls(site_id, survey_id, device_id, readout_s)
 
     def to_domain(self) -> CalibrationWish:
         """The calibration as services know it."""
-        return CalibrationWish(self.site_id, self.device_id, self.readout_s)
+        return CalibrationWish(self.site_id, self.survey_id, self.device_id, self.readout_s)
 
 
 class CameraAnswer(BaseModel):

@@ -51,12 +51,15 @@ class AdjustedCamera:
     found : SelfCalibration
     rms_residual_px : float
         Per coordinate.
+    photo_rms_px : ndarray of shape (P,)
+        The same of each photograph.
     """
 
     problem: BundleProblem
     network: Network
     found: SelfCalibration
     rms_residual_px: float
+    photo_rms_px: Array
 
     @property
     def prior(self) -> CalibratedCamera:
@@ -90,7 +93,7 @@ def adjust_camera(oriented: Oriented, target_map: TargetMap) -> AdjustedCamera:
     covariances = pose_covariances(reduced_at(problem, network, bundle.loss), problem.sightings)
     (found,) = self_calibrate(problem, network, covariances.border, covariances.targets, SCATTER_DOUBT)
     found = replace(found, calibrated=replace(found.calibrated, source="calibration"))
-    return AdjustedCamera(problem, network, found, _rms_px(problem, network))
+    return AdjustedCamera(problem, network, found, *_rms_px(problem, network))
 
 
 def _check_enough(oriented: Oriented) -> None:
@@ -138,10 +141,13 @@ def _print_scales(targets: list[MappedTarget], u_m: float) -> Array:
     return scales
 
 
-def _rms_px(problem: BundleProblem, network: Network) -> float:
+def _rms_px(problem: BundleProblem, network: Network) -> tuple[float, Array]:
+    """Per coordinate, of all photographs together and of each."""
     sightings = problem.sightings
     residuals_px = whitened_residuals(network, sightings.in_pixels(), problem.camera_at(network, 0), problem.plane_m)
-    return float(np.sqrt((residuals_px**2).sum() / (2.0 * sightings.measured.sum())))
+    squares_px2 = np.bincount(sightings.photo, (residuals_px**2).sum(axis=(1, 2)), sightings.photo_count)
+    coordinates = 2.0 * np.bincount(sightings.photo, sightings.measured.sum(axis=1), sightings.photo_count)
+    return float(np.sqrt(squares_px2.sum() / coordinates.sum())), np.sqrt(squares_px2 / coordinates)
 
 
 assert len(LEAST_OWN_SIGMAS) == POSE_COUNT

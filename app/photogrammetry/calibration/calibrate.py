@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from app.geometry.camera import CalibratedCamera, CameraIdentity
@@ -23,7 +24,15 @@ from app.photogrammetry.calibration.orient import (
 from app.photogrammetry.self_calibration import CameraScatter
 from app.photogrammetry.survey_input import SurveyPhoto
 
-__all__ = ["Calibration", "CalibrationOptions", "LeftOutPhoto", "RefusedTarget", "SurveyPhoto", "calibrate_camera"]
+__all__ = [
+    "CalibratedPhoto",
+    "Calibration",
+    "CalibrationOptions",
+    "LeftOutPhoto",
+    "RefusedTarget",
+    "SurveyPhoto",
+    "calibrate_camera",
+]
 
 CalibrationProgress = Callable[[str, int, int], None]
 
@@ -37,6 +46,24 @@ class CalibrationOptions:
 
 
 @dataclass(frozen=True)
+class CalibratedPhoto:
+    """A photograph that took part.
+
+    Attributes
+    ----------
+    name : str
+    targets : int
+        Of the map, that were used in it.
+    rms_residual_px : float
+        Per coordinate.
+    """
+
+    name: str
+    targets: int
+    rms_residual_px: float
+
+
+@dataclass(frozen=True)
 class Calibration:
     """A calibrated camera and what it was calibrated from.
 
@@ -47,8 +74,8 @@ class Calibration:
         Source ``calibration``; covariance: posterior plus the scatter between photographs.
     scatter : CameraScatter
         How far a photograph's own focal length and principal point are off the camera's: autofocus, stabilised lens.
-    photos : tuple of str
-        Names of the photographs that took part.
+    photos : tuple of CalibratedPhoto
+        Those that took part.
     left_out : tuple of LeftOutPhoto
         The others, each with its reason.
     targets : int
@@ -64,7 +91,7 @@ class Calibration:
     identity: CameraIdentity
     calibrated: CalibratedCamera
     scatter: CameraScatter
-    photos: tuple[str, ...]
+    photos: tuple[CalibratedPhoto, ...]
     left_out: tuple[LeftOutPhoto, ...]
     targets: int
     refused_targets: tuple[RefusedTarget, ...]
@@ -118,12 +145,21 @@ def _calibration(
         identity=identity,
         calibrated=final.found.calibrated,
         scatter=final.found.scatter,
-        photos=tuple(photo.name for photo in oriented.photos),
+        photos=_photos(oriented, final),
         left_out=(*strangers, *oriented.left_out),
         targets=final.problem.sightings.target_count,
         refused_targets=oriented.refused_targets,
         not_carried=not_carried(final),
         rms_residual_px=final.rms_residual_px,
+    )
+
+
+def _photos(oriented: Oriented, final: AdjustedCamera) -> tuple[CalibratedPhoto, ...]:
+    sightings = final.problem.sightings
+    targets = np.bincount(sightings.photo, minlength=sightings.photo_count)
+    return tuple(
+        CalibratedPhoto(photo.name, int(count), float(rms_px))
+        for photo, count, rms_px in zip(oriented.photos, targets, final.photo_rms_px, strict=True)
     )
 
 
