@@ -28,15 +28,20 @@ class TrajectoryPage:
     next_cursor: str | None
 
 
-def open_trajectory(session: Session, site_id: str, device_id: str | None, name: str) -> StoredTrajectory:
-    """A new trajectory of a site.
+def open_trajectory(
+    session: Session, site_id: str, device_id: str | None, name: str, trajectory_id: str | None = None
+) -> StoredTrajectory:
+    """A new trajectory of a site; under an id that the client chose, the first one when it asks again.
 
     Raises
     ------
     NotFound
+        When there is no such site.
+    Conflict
+        When a trajectory of another site has the id.
     """
     site = SiteRepository(session).get(site_id)
-    return TrajectoryRepository(session).add(site.site_id, device_id, name)
+    return TrajectoryRepository(session).add(site.site_id, device_id, name, trajectory_id)
 
 
 def time_range(from_text: str | None, to_text: str | None) -> TimeRange:

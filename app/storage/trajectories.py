@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 from sqlalchemy import select
+from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from app.storage.models import SnapshotRow, TrajectoryRow
@@ -19,6 +20,7 @@ from app.storage.trajectory_rows import (
     first_values,
     no_trajectory,
     stored_trajectory,
+    taken_id,
 )
 from app.storage.upsert import insert_if_absent
 
@@ -29,11 +31,23 @@ class TrajectoryRepository:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def add(self, site_id: str, device_id: str | None, name: str) -> StoredTrajectory:
-        """A new trajectory without snapshots."""
+    def add(self, site_id: str, device_id: str | None, name: str, trajectory_id: str | None = None) -> StoredTrajectory:
+        """A new trajectory without snapshots; under an id that was given before, the one that got it.
+
+        Raises
+        ------
+        Conflict
+            When a trajectory of another site has the id.
+        """
         row = TrajectoryRow(default_key=None, **first_values(site_id, device_id, name))
-        self._session.add(row)
-        self._session.flush()
+        row.id = trajectory_id or row.id
+        try:
+            with self._session.begin_nested():  # whoever comes first makes it
+                self._session.add(row)
+        except IntegrityError:
+            row = self._row(row.id)
+        if row.site_id != site_id:
+            raise taken_id(row.id)
         return stored_trajectory(row)
 
     def get(self, trajectory_id: str) -> StoredTrajectory:

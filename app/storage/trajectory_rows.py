@@ -98,6 +98,14 @@ def check_taking(trajectory: StoredTrajectory, site_id: str) -> None:
     )
 
 
+def taken_id(trajectory_id: str) -> Conflict:
+    """The error for an id that a trajectory of another site has."""
+    return Conflict(
+        f"the id {trajectory_id} belongs to something else; make another one, or leave it to the server",
+        trajectory_id=trajectory_id,
+    )
+
+
 def no_trajectory(trajectory_id: str) -> NotFound:
     """The error for a trajectory that does not exist."""
     return NotFound(

@@ -88,6 +88,19 @@ def test_a_phone_fills_a_trajectory_and_closes_it(served: Served, room: Surveyed
     assert_problem(served.locate(room.site_id, snapshot, trajectory_id=trajectory_id), 409, "conflict")
 
 
+def test_a_phone_without_a_connection_chooses_the_id(served: Served) -> None:
+    mine, theirs = served.new_site(), served.new_site()
+    chosen = "01a00000-0000-7000-8000-0000000000aa"
+    first = opened(served, mine, trajectory_id=chosen, device_id="phone", name="walk")
+    assert first["trajectory_id"] == chosen
+    assert opened(served, mine, trajectory_id=chosen, device_id="phone", name="walk") == first
+    elsewhere = served.client.post("/trajectories", json={"site_id": theirs, "trajectory_id": chosen})
+    assert_problem(elsewhere, 409, "conflict")
+    by_chance = "01a00000-0000-4000-8000-0000000000aa"  # version 4: it says no time
+    refused = served.client.post("/trajectories", json={"site_id": mine, "trajectory_id": by_chance})
+    assert_problem(refused, 422, "invalid-input")
+
+
 def test_what_cannot_be_opened(served: Served) -> None:
     assert_problem(served.client.post("/trajectories", json={"site_id": "nowhere"}), 404, "not-found")
     assert_problem(served.client.post("/trajectories", json={}), 422, "invalid-input")

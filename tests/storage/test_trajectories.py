@@ -119,6 +119,22 @@ def test_closing_twice_is_closing_once(database: Database) -> None:
             trajectories.close("nowhere")
 
 
+def test_an_id_of_the_client_opens_one_trajectory_however_often_it_asks(database: Database) -> None:
+    site, _ = examples.site_with_survey(database)
+    with database.writing() as session:
+        trajectories = TrajectoryRepository(session)
+        first = trajectories.add(site.site_id, "phone-1", "a walk", SNAPSHOT_ID)
+        trajectories.close(first.trajectory_id)
+    with database.writing() as session:
+        again = TrajectoryRepository(session).add(site.site_id, "phone-1", "a walk", SNAPSHOT_ID)
+        assert session.query(TrajectoryRow).count() == 1
+    assert first.trajectory_id == again.trajectory_id == SNAPSHOT_ID
+    assert again.closed_s is not None
+    elsewhere, _ = examples.site_with_survey(database)
+    with pytest.raises(Conflict, match=SNAPSHOT_ID), database.writing() as session:
+        TrajectoryRepository(session).add(elsewhere.site_id, None, "", SNAPSHOT_ID)
+
+
 def test_after_a_closed_default_comes_another(database: Database) -> None:
     site, _ = examples.site_with_survey(database)
     with database.writing() as session:

@@ -51,10 +51,11 @@ TEXT_FORMATS = {
 Format = Literal["json", "csv", "tum", "kitti", "kitti-times", "euroc", "evaal", "posi", "geojson", "geopose"]
 
 
-@router.post("/trajectories", status_code=201, responses=problems(400, 404, 413, 422))
+@router.post("/trajectories", status_code=201, responses=problems(400, 404, 409, 413, 422))
 def create_trajectory(body: NewTrajectoryBody, session: WriteSession, principal: Recording) -> TrajectoryAnswer:
-    """Open a trajectory; snapshots name it as trajectory_id."""
-    return TrajectoryAnswer.of(open_trajectory(session, principal.site(body.site_id), body.device_id, body.name or ""))
+    """Open a trajectory; snapshots name it as trajectory_id, which a device without a connection may choose itself."""
+    site_id = principal.site(body.site_id)
+    return TrajectoryAnswer.of(open_trajectory(session, site_id, body.device_id, body.name or "", body.trajectory_id))
 
 
 @router.post(

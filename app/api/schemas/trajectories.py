@@ -16,10 +16,18 @@ from app.storage.paging import Page
 from app.storage.trajectory_parts import Failure, ImportedPart, Label, StoredTrajectory, TrajectoryPart
 
 
+# RFC 9562, section 5.7: lists are in the order of ids, and ids of this version in the order of their time.
+UUID_7 = "^[0-9a-f]{8}-[0-9a-f]{4}-7[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}$"
+
+
 class NewTrajectoryBody(Body):
     """A trajectory to be opened."""
 
     site_id: Id
+    trajectory_id: Annotated[
+        str | None,
+        Field(pattern=UUID_7, description="The client's own, a UUIDv7 in lower case: a repeat gets the first."),
+    ] = None
     device_id: Annotated[Text | None, Field(description="The device that it follows, if it is one.")] = None
     name: Annotated[Text | None, Field(description="For people.")] = None
 
