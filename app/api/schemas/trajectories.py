@@ -15,7 +15,6 @@ from app.services.trajectories import TrajectoryPage
 from app.storage.paging import Page
 from app.storage.trajectory_parts import Failure, ImportedPart, Label, StoredTrajectory, TrajectoryPart
 
-
 # RFC 9562, section 5.7: lists are in the order of ids, and ids of this version in the order of their time.
 UUID_7 = "^[0-9a-f]{8}-[0-9a-f]{4}-7[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}$"
 
