@@ -29,6 +29,24 @@ class _Seen:
     state: EvidenceState
 
 
+@dataclass(frozen=True)
+class WatchedAlerts:
+    """A page of alerts, and what they rest on.
+
+    Attributes
+    ----------
+    page : Page of Alert
+    map_version : int or None
+        The active one.
+    snapshots : int
+        That were held against it.
+    """
+
+    page: Page[Alert]
+    map_version: int | None
+    snapshots: int
+
+
 class MapWatch:
     """Tells a site's alerts, never older than its newest snapshot.
 
@@ -48,7 +66,7 @@ class MapWatch:
         self._seen: dict[str, _Seen] = {}
         self._looking: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
 
-    async def page(self, wanted: AlertFilter, request: PageRequest) -> Page[Alert]:
+    async def page(self, wanted: AlertFilter, request: PageRequest) -> WatchedAlerts:
         """Alerts of a site, the newest first.
 
         Raises
@@ -76,9 +94,12 @@ class MapWatch:
         await self._pool.run(watch_site, WatchTask(site_id, present.map_version), timeout_s=self._timeout_s)
         self._seen[site_id] = present
 
-    def _read(self, wanted: AlertFilter, request: PageRequest) -> Page[Alert]:
+    def _read(self, wanted: AlertFilter, request: PageRequest) -> WatchedAlerts:
         with self._database.reading() as session:
-            return AlertRepository(session).page(wanted, request)
+            page = AlertRepository(session).page(wanted, request)
+            version = SiteRepository(session).get(wanted.site_id).active_version
+            watched = 0 if version is None else EvidenceRepository(session).state(wanted.site_id, version).count
+            return WatchedAlerts(page, version, watched)
 
 
 class WatchRound:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sqlalchemy import delete, func, select
@@ -9,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from app.photogrammetry.map_watch import WatchedSnapshot
 from app.storage.evidence_blob import evidence_of_blob
-from app.storage.models import EvidenceRow
+from app.storage.models import EvidenceRow, SnapshotRow
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,15 @@ class EvidenceState:
 
     count: int
     newest_id: str | None
+
+
+@dataclass(frozen=True)
+class KeptEvidence:
+    """A snapshot that tells of a map: its pose's id and trajectory, and what it tells."""
+
+    pose_id: str
+    trajectory_id: str
+    snapshot: WatchedSnapshot
 
 
 class EvidenceRepository:
@@ -42,10 +52,19 @@ class EvidenceRepository:
             .order_by(EvidenceRow.pose_id.desc())
             .limit(limit)
         )
-        return tuple(
-            WatchedSnapshot(row.captured_s, row.device_id, None if row.record is None else evidence_of_blob(row.record))
-            for row in self._session.scalars(query)
+        return tuple(_snapshot(row) for row in self._session.scalars(query))
+
+    def between(self, site_id: str, map_version: int, span_s: tuple[float, float]) -> Iterator[KeptEvidence]:
+        """Those that were taken in a span of time, both ends included, the newest first."""
+        query = (
+            select(EvidenceRow, SnapshotRow.trajectory_id)
+            .join(SnapshotRow, SnapshotRow.id == EvidenceRow.pose_id)
+            .where(EvidenceRow.site_id == site_id, EvidenceRow.map_version == map_version)
+            .where(EvidenceRow.captured_s.between(*span_s))
+            .order_by(EvidenceRow.captured_s.desc(), EvidenceRow.pose_id.desc())
         )
+        for row, trajectory_id in self._session.execute(query):
+            yield KeptEvidence(row.pose_id, trajectory_id, _snapshot(row))
 
     def watched_maps(self) -> tuple[tuple[str, int], ...]:
         """Sites and map versions of which something is told."""
@@ -61,3 +80,8 @@ class EvidenceRepository:
             return 0
         gone = delete(EvidenceRow).where(*of_map, EvidenceRow.pose_id <= first_to_go).returning(EvidenceRow.pose_id)
         return len(self._session.scalars(gone).all())
+
+
+def _snapshot(row: EvidenceRow) -> WatchedSnapshot:
+    evidence = None if row.record is None else evidence_of_blob(row.record)
+    return WatchedSnapshot(row.captured_s, row.device_id, evidence)

@@ -113,6 +113,22 @@ def test_the_target_that_the_map_does_not_hold_is_named(served: Served, watched:
     assert (alert["code"], alert["severity"], alert["displacement"]) == (UNKNOWN, "notice", None)
 
 
+def test_an_alert_tells_the_snapshots_that_it_rests_on(served: Served, watched: Watched) -> None:
+    (alert,) = alerts(served, watched.site_id, kind="moved-target")
+    sightings = served.client.get(f"/alerts/{alert['alert_id']}/sightings").json()["sightings"]
+    assert [sighting["pose_id"] for sighting in sightings] == [
+        answer.json()["pose_id"] for answer in reversed(watched.answers)
+    ]
+    for sighting, (eye_m, _) in zip(sightings, reversed(VIEWS_M), strict=True):
+        assert np.linalg.norm(np.array(sighting["camera_m"]) - eye_m) < 0.03
+        assert not sighting["used"]
+    error_mm = np.median([sighting["movement_mm"] for sighting in sightings], axis=0) - 1e3 * SHIFT_M
+    assert np.linalg.norm(error_mm) < GROSS_SIGMAS * MAP_MM
+    (unknown,) = alerts(served, watched.site_id, kind="unknown-target")
+    seen = served.client.get(f"/alerts/{unknown['alert_id']}/sightings").json()["sightings"]
+    assert len(seen) == unknown["snapshots"] and {sighting["movement_mm"] for sighting in seen} == {None}
+
+
 def test_nothing_else_is_named(served: Served, watched: Watched) -> None:
     assert {alert["code"] for alert in alerts(served, watched.site_id)} == {MOVED, UNKNOWN}
 
@@ -120,6 +136,7 @@ def test_nothing_else_is_named(served: Served, watched: Watched) -> None:
 def test_alerts_come_in_pages(served: Served, watched: Watched) -> None:
     url = f"/sites/{watched.site_id}/alerts"
     first = served.client.get(url, params={"limit": 1}).json()
+    assert first["watched"] == {"map_version": 1, "snapshots": len(VIEWS_M)}
     second = served.client.get(url, params={"limit": 1, "cursor": first["next_cursor"]}).json()
     assert second["next_cursor"] is None
     both = [alert["alert_id"] for page in (first, second) for alert in page["alerts"]]
@@ -146,4 +163,5 @@ def test_a_site_that_is_not_there(served: Served) -> None:
 
 
 def test_a_site_without_a_map_has_none(served: Served) -> None:
-    assert alerts(served, served.new_site()) == []
+    answer = served.client.get(f"/sites/{served.new_site()}/alerts").json()
+    assert (answer["alerts"], answer["watched"]) == ([], {"map_version": None, "snapshots": 0})

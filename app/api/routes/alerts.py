@@ -8,8 +8,9 @@ from fastapi import APIRouter, Body, Depends, Query
 
 from app.api.dependencies import Paging, PathId, ReadSession, Running, Version, WriteSession
 from app.api.problems import problems
-from app.api.schemas.alerts import AcknowledgeBody, AlertAnswer, AlertsAnswer
+from app.api.schemas.alerts import AcknowledgeBody, AlertAnswer, AlertsAnswer, SightingsAnswer
 from app.api.security import needs
+from app.services.alert_sightings import sightings_of
 from app.services.alerts import acknowledge
 from app.storage.alerts import AlertFilter, AlertKind, AlertRepository, AlertState
 
@@ -40,6 +41,12 @@ async def list_alerts(
 def get_alert(alert_id: PathId, session: ReadSession) -> AlertAnswer:
     """One alert as it was found last."""
     return AlertAnswer.of(AlertRepository(session).get(alert_id))
+
+
+@router.get("/alerts/{alert_id}/sightings", dependencies=[needs("survey", "analyse")], responses=problems(404, 422))
+def list_sightings(alert_id: PathId, session: ReadSession) -> SightingsAnswer:
+    """The newest 200 snapshots between an alert's first and last that saw its target."""
+    return SightingsAnswer.of(sightings_of(session, alert_id))
 
 
 @router.post("/alerts/{alert_id}/acknowledge", dependencies=[needs("survey")], responses=problems(400, 404, 413, 422))

@@ -6,11 +6,12 @@ from typing import Annotated
 
 from pydantic import BaseModel, Field
 
-from app.api.schemas.common import Body, Listing, Vector3, time_of
+from app.api.schemas.common import Body, Listing, Vector3, numbers_of, time_of
 from app.api.schemas.texts import LongText
+from app.services.alert_sightings import AlertSighting
 from app.services.alert_words import MM_PER_M, advice_of, detail_of, distance_mm
+from app.services.alerts import WatchedAlerts
 from app.storage.alerts import Alert, AlertFigures, AlertKind, AlertState, Severity
-from app.storage.paging import Page
 
 
 class DisplacementAnswer(BaseModel):
@@ -87,15 +88,66 @@ class AlertAnswer(BaseModel):
         )
 
 
+class WatchedAnswer(BaseModel):
+    """What alerts rest on."""
+
+    map_version: int | None = Field(description="The active one; null without a map.")
+    snapshots: int = Field(description="Located snapshots that were held against it.")
+
+
 class AlertsAnswer(Listing):
     """A page of alerts."""
 
     alerts: list[AlertAnswer]
+    watched: WatchedAnswer
 
     @classmethod
-    def of(cls, page: Page[Alert]) -> AlertsAnswer:
+    def of(cls, found: WatchedAlerts) -> AlertsAnswer:
         """The answer for a page."""
-        return cls(alerts=[AlertAnswer.of(alert) for alert in page.items], next_cursor=page.next_cursor)
+        return cls(
+            alerts=[AlertAnswer.of(alert) for alert in found.page.items],
+            next_cursor=found.page.next_cursor,
+            watched=WatchedAnswer(map_version=found.map_version, snapshots=found.snapshots),
+        )
+
+
+class SightingAnswer(BaseModel):
+    """An alert's target in one snapshot."""
+
+    pose_id: str
+    trajectory_id: str
+    captured_at: str
+    device_id: str | None
+    camera_m: Annotated[Vector3, Field(description="Where the snapshot was taken.")]
+    movement_mm: Vector3 | None = Field(
+        description="Of the target's centre against the map, site axes, by this snapshot alone; null: not in the map."
+    )
+    used: bool = Field(description="Whether the target carried the snapshot's pose.")
+
+    @classmethod
+    def of(cls, sighting: AlertSighting) -> SightingAnswer:
+        """The answer for a sighting."""
+        movement_m = sighting.movement_m
+        return cls(
+            pose_id=sighting.pose_id,
+            trajectory_id=sighting.trajectory_id,
+            captured_at=time_of(sighting.captured_s),
+            device_id=sighting.device_id,
+            camera_m=numbers_of(sighting.camera_m),
+            movement_mm=None if movement_m is None else numbers_of(MM_PER_M * movement_m),
+            used=sighting.used,
+        )
+
+
+class SightingsAnswer(BaseModel):
+    """What an alert rests on, the newest first."""
+
+    sightings: list[SightingAnswer]
+
+    @classmethod
+    def of(cls, sightings: tuple[AlertSighting, ...]) -> SightingsAnswer:
+        """The answer for the sightings of an alert."""
+        return cls(sightings=[SightingAnswer.of(sighting) for sighting in sightings])
 
 
 class AcknowledgeBody(Body):
