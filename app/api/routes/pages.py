@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, FastAPI
-from starlette.responses import FileResponse
+from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
+
+from app.api.offline_worker import worker_text
 
 WEB = Path(__file__).parents[2] / "web"
 # Nothing from another host, nothing inline; pictures made in the page, the camera's video, and calls to this service.
@@ -43,6 +46,18 @@ async def get_index() -> FileResponse:
 async def get_manifest() -> FileResponse:
     """What a phone installs."""
     return FileResponse(WEB / "manifest.webmanifest", media_type="application/manifest+json", headers=HEADERS)
+
+
+@router.get("/sw.js")
+def get_worker() -> Response:
+    """What keeps the pages' files on a device, so that they open without a network."""
+    return Response(_worker(), media_type="text/javascript", headers={**HEADERS, "Service-Worker-Allowed": "/"})
+
+
+@cache
+def _worker() -> str:
+    """Of the files as they are when it is first asked for: an installed package's do not change."""
+    return worker_text(WEB)
 
 
 def add_assets(app: FastAPI) -> None:

@@ -1,15 +1,26 @@
 // Who asks: a key is exchanged for a cookie that no script can read.
-import { Problem, get, post, remove } from "./api.js";
+import { Problem, Unreachable, get, post, remove } from "./api.js";
 import { go } from "./router.js";
 
-/** Who asks and what they may do; null when the service wants a key. */
+const LAST = "scattermark:who"; // a name and scopes, no secret: pages that work without a network show what one may do
+
+/** Who asks and what they may do, as it was last known when there is no network; null when the service wants a key. */
 export async function whoAmI() {
   try {
-    return await get("/session");
+    const who = await get("/session");
+    localStorage.setItem(LAST, JSON.stringify(who));
+    return who;
   } catch (error) {
-    if (error instanceof Problem && error.status === 401) return null;
-    throw error;
+    if (error instanceof Problem && error.status === 401) return forget();
+    const last = error instanceof Unreachable && localStorage.getItem(LAST);
+    if (!last) throw error;
+    return JSON.parse(last);
   }
+}
+
+function forget() {
+  localStorage.removeItem(LAST);
+  return null;
 }
 
 /** Whether somebody holds one of these scopes; admin includes the others. */
