@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,8 @@ import numpy.typing as npt
 from app.geometry.rotation import exp_rotation, quaternion_xyzw, rotation_of_quaternion
 
 Array = npt.NDArray[np.float64]
+
+PROPER_TOLERANCE = 1e-6  # of a rotation's rows: far above rounding, far under what would move a dot by a pixel
 
 
 @dataclass(frozen=True)
@@ -30,15 +33,21 @@ class Pose:
     def __post_init__(self) -> None:
         if self.rotation.shape != (3, 3) or self.position_m.shape != (3,):
             raise ValueError(f"a pose takes a 3 x 3 rotation and 3 coordinates, got {self.rotation.shape}")
-        if not (np.isfinite(self.rotation).all() and np.isfinite(self.position_m).all()):
+        if not isfinite(np.vdot(self.rotation, self.rotation) + np.vdot(self.position_m, self.position_m)):
             raise ValueError("a pose takes finite numbers")
-        if np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > 1e-6 or np.linalg.det(self.rotation) < 0:
+        if not _is_proper(self.rotation):
             raise ValueError("rotation must be proper (orthonormal, determinant 1)")
 
     @classmethod
     def from_quaternion(cls, orientation_xyzw: Array, position_m: Array) -> Pose:
         """Pose of a quaternion x, y, z, w and a position in metres."""
         return cls(rotation_of_quaternion(np.asarray(orientation_xyzw)), np.asarray(position_m, dtype=np.float64))
+
+    @property
+    def arrays(self) -> tuple[Array, Array]:
+        """Rotation and position as compiled loops take them."""
+        rotation, position_m = (np.require(part, np.float64, ("C", "W")) for part in (self.rotation, self.position_m))
+        return rotation, position_m
 
     @property
     def orientation_xyzw(self) -> Array:
@@ -64,3 +73,17 @@ class Pose:
         """
         u, _, vt = np.linalg.svd(exp_rotation(step[3:]) @ self.rotation)
         return Pose(u @ vt, self.position_m + step[:3])
+
+
+def _is_proper(rotation: Array) -> bool:
+    """Whether two rows are orthonormal and the third is their cross product: a pose is born often, so by hand."""
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    misses = (
+        a * a + b * b + c * c - 1.0,
+        d * d + e * e + f * f - 1.0,
+        a * d + b * e + c * f,
+        b * f - c * e - g,
+        c * d - a * f - h,
+        a * e - b * d - i,
+    )
+    return max(misses) < PROPER_TOLERANCE and min(misses) > -PROPER_TOLERANCE

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -166,11 +165,11 @@ def _solve(problem: Problem, start: Start, options: ResectionOptions) -> Solutio
     consensus = find_consensus(problem, start, state, options.sampling)
     check_consensus(problem, consensus)
     ambiguity = look_for_mirror(problem, consensus.agreeing, consensus.adjusted, options.ambiguity)
-    sighted = problem.sighted.take(consensus.agreeing)
+    sighted = problem.sighted.where(consensus.agreeing)
     uncertainty = pose_uncertainty(sighted, problem.prior, ambiguity.adjusted, options.uncertainty)
     mirrored = ambiguity.adjusted is not consensus.adjusted
     chi2 = movements_chi2(ambiguity.adjusted) if mirrored else consensus.chi2[consensus.agreeing]
-    doubt = doubt_targets(ambiguity.adjusted, chi2, sighted.dot_counts, options.doubt)
+    doubt = doubt_targets(ambiguity.adjusted, chi2, sighted.freedoms, options.doubt)
     return Solution(problem, consensus, ambiguity, uncertainty, doubt)
 
 
@@ -178,34 +177,36 @@ def _report(
     solution: Solution, observations: Sequence[TargetObservation], target_map: TargetMap, source: CameraSource
 ) -> Resection:
     """The solution as its user sees it: with the datum's uncertainty and the fate of each observed target."""
-    adjusted, uncertainty = solution.ambiguity.adjusted, solution.uncertainty
-    problem, state, coordinates = solution.problem, solution.state, adjusted.redundancy + POSE_COUNT
-    used = problem.sighted.take(solution.consensus.agreeing)
-    fates = _fates(solution)
-    unknown = partial(UsedTarget, rms_px=None, used=False, reason="unknown-target")
+    adjusted, problem, state = solution.ambiguity.adjusted, solution.problem, solution.state
+    squares_px2 = (residuals_of(problem.sighted, problem.prior, state) ** 2).sum(axis=(1, 2))
+    used_px2 = float(squares_px2[solution.consensus.agreeing].sum())
     return Resection(
         site_from_cam=state.site_from_cam,
         covariance=solution.covariance + target_map.datum.pose_covariance(solution.position_m),
         sigma0=solution.sigma0,
-        variance_factor=uncertainty.variance_factor,
+        variance_factor=solution.uncertainty.variance_factor,
         redundancy=adjusted.redundancy,
-        rms_residual_px=float(np.sqrt((residuals_of(used, problem.prior, state) ** 2).sum() / coordinates)),
-        targets=tuple(fates.get(seen.code) or unknown(seen.code) for seen in observations),
+        rms_residual_px=float(np.sqrt(used_px2 / (adjusted.redundancy + POSE_COUNT))),
+        targets=_fates(solution, squares_px2, observations),
         ambiguity_ratio=solution.ambiguity.ratio,
-        camera=posterior_camera(solution.problem.prior, adjusted, source),
+        camera=posterior_camera(problem.prior, adjusted, source),
     )
 
 
-def _fates(solution: Solution) -> dict[int, UsedTarget]:
-    """What became of each mapped target, by code."""
+def _fates(solution: Solution, squares_px2: Array, observations: Sequence[TargetObservation]) -> tuple[UsedTarget, ...]:
+    """What became of each observed target; ``squares_px2`` are those of the mapped ones, shape (K,)."""
     problem, agreeing, adjusted = solution.problem, solution.consensus.agreeing, solution.ambiguity.adjusted
     seen = np.ones(len(agreeing), dtype=np.bool_)
     if not agreeing.all():
         seen[~agreeing] = linearise(problem.sighted.take(~agreeing), problem.prior, adjusted.state).seen_from_front
-    residuals_px = residuals_of(problem.sighted, problem.prior, adjusted.state)
-    rms_px = np.sqrt((residuals_px**2).sum(axis=(1, 2)) / (2 * np.maximum(problem.sighted.dot_counts, 1)))
+    rms_px = np.sqrt(squares_px2 / (2 * np.maximum(problem.sighted.dot_counts, 1)))
     rows = zip(problem.sighted.codes.tolist(), rms_px.tolist(), seen.tolist(), agreeing.tolist(), strict=True)
-    return {
+    fates = {
         code: UsedTarget(code, rms if imaged else None, used, None if used else "moved-or-misread")
         for code, rms, imaged, used in rows
     }
+    return tuple(fates.get(target.code) or _unknown(target.code) for target in observations)
+
+
+def _unknown(code: int) -> UsedTarget:
+    return UsedTarget(code, rms_px=None, used=False, reason="unknown-target")

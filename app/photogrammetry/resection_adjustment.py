@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from app.geometry.pose import Pose
 from app.photogrammetry.kernels.descent import descend, evaluate_place
-from app.photogrammetry.kernels.products import COLUMNS
 from app.photogrammetry.resection_equations import POSE_COUNT, STATE_COUNT, CameraPrior, State, TargetEquations
 from app.photogrammetry.resection_input import SightedTargets
 
 Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -82,24 +81,17 @@ class AdjustedState:
     gradient: Array
     chi2: float
     redundancy: int
-    converged: bool = False
+    converged: bool
 
     @property
     def attainable_chi2(self) -> float:
         """What a further step, pose and camera free, promises: less than ``chi2`` where an adjustment stopped early."""
         return self.chi2 - float(self.gradient @ np.linalg.solve(self.information, self.gradient))
 
-    def after_last(self, step: Array) -> AdjustedState:
-        """The converged state after a last step of shape (15,), along which its equations are linear."""
-        moved = self.information @ step
-        return replace(
-            self,
-            state=self.state.moved(step),
-            equations=self.equations.advanced(step),
-            gradient=self.gradient + moved,
-            chi2=max(self.chi2 + float((2.0 * self.gradient + moved) @ step), 0.0),
-            converged=True,
-        )
+    @cached_property
+    def covariance(self) -> Array:
+        """Of the state, shape (15, 15)."""
+        return np.asarray(np.linalg.inv(self.information), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -107,22 +99,21 @@ class _Place:
     """Room for a state, its equations and their sums, as ``kernels/descent.py`` fills it."""
 
     state: tuple[Array, Array, Array]
-    equations: tuple[Array, Array, Mask]
+    equations: TargetEquations
     sums: tuple[Array, Array]
 
     @classmethod
     def at(cls, state: State, targets: int) -> _Place:
         """Room for some targets, with the state put in."""
         pose = state.site_from_cam
-        gram, reduced = np.empty((2, targets, COLUMNS, COLUMNS))
-        seen = np.empty(targets, dtype=np.bool_)
         sums = np.empty((STATE_COUNT, STATE_COUNT)), np.empty(STATE_COUNT)
-        return cls((pose.rotation.copy(), pose.position_m.copy(), state.whitened.copy()), (gram, reduced, seen), sums)
+        moving = pose.rotation.copy(), pose.position_m.copy(), state.whitened.copy()
+        return cls(moving, TargetEquations.room(targets), sums)
 
     @property
     def arrays(self) -> tuple[object, ...]:
         """As compiled loops take them."""
-        return self.state, self.equations, self.sums
+        return self.state, self.equations.arrays, self.sums
 
 
 def adjust_pose(
@@ -135,27 +126,26 @@ def adjust_pose(
     """Adjust to all of the targets (damped Gauss-Newton), the pose alone when the camera is not free."""
     places = _Place.at(start, len(sighted)), _Place.at(start, len(sighted))
     photo, arrays = (sighted.arrays, prior.arrays), (places[0].arrays, places[1].arrays)
-    step = np.empty(STATE_COUNT)
-    converged, best, chi2 = descend(photo, arrays, (options or AdjustmentOptions()).limits(free_camera), step)
-    adjusted = _adjusted(sighted, places[best], chi2)
-    return adjusted.after_last(step) if converged else adjusted
+    converged, best, chi2 = descend(photo, arrays, (options or AdjustmentOptions()).limits(free_camera))
+    return _adjusted(sighted, places[best], chi2, converged)
 
 
 def evaluate(sighted: SightedTargets, prior: CameraPrior, state: State) -> AdjustedState:
     """The sum of squares and its normal equations at a state, without moving it."""
     place = _Place.at(state, len(sighted))
-    return _adjusted(sighted, place, evaluate_place((sighted.arrays, prior.arrays), place.arrays))
+    return _adjusted(sighted, place, evaluate_place((sighted.arrays, prior.arrays), place.arrays), converged=False)
 
 
-def _adjusted(sighted: SightedTargets, place: _Place, chi2: float) -> AdjustedState:
+def _adjusted(sighted: SightedTargets, place: _Place, chi2: float, converged: bool) -> AdjustedState:
     """What a filled place says."""
     rotation, position_m, whitened = place.state
     information, gradient = place.sums
     return AdjustedState(
         state=State(Pose(rotation, position_m), whitened),
-        equations=TargetEquations.of(place.equations),
+        equations=place.equations,
         information=information,
         gradient=gradient,
         chi2=chi2,
         redundancy=2 * int(np.count_nonzero(sighted.measured)) - POSE_COUNT,
+        converged=converged,
     )

@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from app.geometry.pose import Pose
-from app.geometry.rotation import exp_rotation, log_rotation
+from app.geometry.rotation import log_rotation
+from app.photogrammetry.kernels.mirror import see_alike, sum_moments
 from app.photogrammetry.resection_adjustment import AdjustedState
 from app.photogrammetry.resection_consensus import Problem
 from app.photogrammetry.resection_equations import State
@@ -34,7 +35,7 @@ class AmbiguityOptions:
     hopeless : float
         Factor of the logarithm of ``min_odds`` beyond which no calibration of the camera could save the other pose.
     mirror_limit : float
-        Greatest mean shift of the dots by mirroring, normalised image units, for which the mirror image of several
+        Greatest root mean square shift of the dots by mirroring, normalised image units, for which that of several
         targets is adjusted at all: 0.005 is 7 px at a focal length of 1400 px, a hundred sigmas of a dot.
     """
 
@@ -114,39 +115,38 @@ def look_for_mirror(
 
 def _mirrored(problem: Problem, targets: Mask, state: State, options: AmbiguityOptions) -> State | None:
     """The mirror image to start from; None when perspective rules it out at sight."""
-    dots_m = problem.sighted.dots_m[targets][problem.sighted.measured[targets]]
-    mirrored = mirrored_pose(state.site_from_cam, dots_m)
+    sighted, pose = problem.sighted, state.site_from_cam
+    dots = (sighted.centres_m, sighted.arms_m, sighted.measured)
+    middle_m, moments_m2 = np.empty(3), np.empty((3, 3))
+    count = sum_moments(dots, targets, middle_m, moments_m2)
+    _, axes = np.linalg.eigh(moments_m2)
+    mirrored = mirrored_pose(pose, middle_m, axes[:, 0])
     alone = np.count_nonzero(targets) == 1
-    if not alone and _shift(state.site_from_cam, mirrored, dots_m) > options.mirror_limit:
+    if not alone and not see_alike(dots, targets, (pose.arrays, mirrored.arrays), count * options.mirror_limit**2):
         return None
     return State(mirrored, state.whitened)
 
 
-def mirrored_pose(site_from_cam: Pose, dots_m: Array) -> Pose:
-    """The pose that sees the dots' plane tilted to the other side of the line of sight.
+def mirrored_pose(site_from_cam: Pose, middle_m: Array, normal: Array) -> Pose:
+    """The pose that sees a plane tilted to the other side of the line of sight.
 
-    The scene turns about its middle by twice the angle between the plane's normal and the line of sight.
+    The scene turns about its middle by twice the angle between the plane's normal and the line of sight, which is a
+    reflection in the plane and one across the line.
+
+    Parameters
+    ----------
+    site_from_cam : Pose
+    middle_m, normal : ndarray of shape (3,)
+        Of the plane, site axes; either of its two normals.
     """
-    cam_from_site = site_from_cam.rotation.T
-    middle_m = dots_m.mean(axis=0)
-    _, axes = np.linalg.eigh((dots_m - middle_m).T @ (dots_m - middle_m))
-    normal, middle_cam_m = cam_from_site @ axes[:, 0], cam_from_site @ (middle_m - site_from_cam.position_m)
-    sight = middle_cam_m / np.linalg.norm(middle_cam_m)
-    normal = normal if normal @ sight > 0 else -normal
-    axis = np.cross(normal, sight)
-    sine = float(np.linalg.norm(axis))
-    turn = exp_rotation(axis * (2.0 * np.arctan2(sine, normal @ sight) / max(sine, np.finfo(np.float64).tiny)))
-    rotation = site_from_cam.rotation @ turn.T
-    return Pose(rotation, middle_m - rotation @ middle_cam_m)
+    offset_m = middle_m - site_from_cam.position_m
+    in_plane, across_sight = _reflection(normal), _reflection(offset_m / np.linalg.norm(offset_m))
+    return Pose(in_plane @ across_sight @ site_from_cam.rotation, middle_m + in_plane @ offset_m)
 
 
-def _shift(first: Pose, second: Pose, dots_m: Array) -> float:
-    """Root mean square shift of the dots from one pose's view to the other's, normalised; infinite if one is behind."""
-    views = [(dots_m - pose.position_m) @ pose.rotation for pose in (first, second)]
-    if any(view[:, 2].min() <= 0 for view in views):
-        return float("inf")
-    one, other = (view[:, :2] / view[:, 2:] for view in views)
-    return float(np.sqrt(((one - other) ** 2).sum(axis=-1).mean()))
+def _reflection(axis: Array) -> Array:
+    """The matrix, shape (3, 3), that turns a unit vector round and leaves what is perpendicular to it."""
+    return np.eye(3) - 2.0 * np.outer(axis, axis)
 
 
 def _distance_sigmas(first: AdjustedState, second: AdjustedState) -> float:

@@ -9,14 +9,15 @@ counts with its full weight or not at all, which keeps the covariance honest.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtri
 
-from app.photogrammetry.kernels.contests import correct_squares
+from app.photogrammetry.chi_square import limits_by_freedom
+from app.photogrammetry.kernels.contests import contest_targets
 from app.photogrammetry.resection_adjustment import AdjustedState, AdjustmentOptions, adjust_pose
-from app.photogrammetry.resection_equations import OWN_COUNT, CameraPrior, State, TargetEquations, linearise
+from app.photogrammetry.resection_equations import CameraPrior, State, TargetEquations, linearise
 from app.photogrammetry.resection_input import SightedTargets
 
 Array = npt.NDArray[np.float64]
@@ -65,8 +66,7 @@ class Problem:
 
     def adjust(self, targets: Mask, start: State, free_camera: bool = True) -> AdjustedState:
         """Adjust to some of the targets."""
-        sighted = self.sighted if targets.all() else self.sighted.take(targets)
-        return adjust_pose(sighted, self.prior, start, self.adjustment, free_camera)
+        return adjust_pose(self.sighted.where(targets), self.prior, start, self.adjustment, free_camera)
 
 
 @dataclass(frozen=True)
@@ -120,8 +120,8 @@ def consent(problem: Problem, targets: Mask, start: State, options: ConsensusOpt
     if not targets.all():
         others = linearise(problem.sighted.take(~targets), problem.prior, adjusted.state)
         chi2[~targets] = _against(others, adjusted.information, +1.0)
-    freedom = np.minimum(OWN_COUNT, 2 * problem.sighted.dot_counts)
-    return Consensus(adjusted, targets, chi2, chi2 / (scale * chdtri(freedom, options.refuse_probability)))
+    limits = limits_by_freedom(options.refuse_probability)[problem.sighted.freedoms]
+    return Consensus(adjusted, targets, chi2, chi2 / (scale * limits))
 
 
 def settle(problem: Problem, consensus: Consensus, options: ConsensusOptions, scale: float = 1.0) -> Consensus:
@@ -138,27 +138,21 @@ def own_scatter(problem: Problem, consensus: Consensus, options: ConsensusOption
     """How much more than their covariances say the agreeing targets scatter, by their median; 1 to ``max_scale``."""
     if np.count_nonzero(consensus.agreeing) < options.scale_targets:
         return 1.0
-    freedom = np.minimum(OWN_COUNT, 2 * problem.sighted.dot_counts[consensus.agreeing])
-    expected = chdtri(freedom, 0.5) / chdtri(freedom, options.refuse_probability)
-    return float(np.clip(np.median(consensus.excess[consensus.agreeing] / expected), 1.0, options.max_scale))
+    expected = limits_by_freedom(0.5) / limits_by_freedom(options.refuse_probability)
+    scatter = (consensus.excess / expected[problem.sighted.freedoms])[consensus.agreeing]
+    return min(max(1.0, median(scatter.tolist())), options.max_scale)
 
 
 def movements_chi2(adjusted: AdjustedState) -> Array:
     """Chi-square of each target's rigid movement against the pose that all the others give, shape (K,)."""
-    if len(adjusted.equations.chi2) == 1:
+    if len(adjusted.equations.reduced) == 1:
         return np.zeros(1)  # there are no others
     return _against(adjusted.equations, adjusted.information, -1.0)
 
 
 def _against(equations: TargetEquations, information: Array, sign: float) -> Array:
-    """Chi-square of rigid movements against a state that the targets did not (+1) or did (-1) take part in.
-
-    With residuals r of covariance S, design A and a state of covariance P, the target against the state is
-    r^T (S + A P A^T)^-1 r = chi2 - g^T (P^-1 + A^T S^-1 A)^-1 g with g = A^T S^-1 r, by Woodbury's identity. Taking the
-    target out of a state that it took part in turns the sign of its information and of the correction.
-    """
-    corrections = np.empty(len(equations.chi2))
-    shared = (sign, INFORMATION_RIDGE)
-    correct_squares(information, equations.information, equations.gradient, shared, corrections)
-    chi2 = equations.chi2 - equations.shape_chi2 - sign * corrections
-    return np.where(equations.seen_from_front, np.maximum(chi2, 0.0), np.inf)
+    """Chi-square of rigid movements against a state that the targets did not (+1) or did (-1) take part in."""
+    chi2 = np.empty(len(equations.reduced))
+    targets = (equations.reduced, equations.seen_from_front, equations.shape_chi2)
+    contest_targets(information, targets, (sign, INFORMATION_RIDGE), chi2)
+    return chi2

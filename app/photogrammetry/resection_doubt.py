@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtri
 
+from app.photogrammetry.chi_square import limits_by_freedom
 from app.photogrammetry.resection_adjustment import AdjustedState
-from app.photogrammetry.resection_equations import OWN_COUNT, POSE_COUNT, STATE_COUNT
+from app.photogrammetry.resection_equations import POSE_COUNT, STATE_COUNT
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -72,7 +72,7 @@ class Doubt:
 
 
 def doubt_targets(
-    adjusted: AdjustedState, chi2: Array, dot_counts: npt.NDArray[np.intp], options: DoubtOptions | None = None
+    adjusted: AdjustedState, chi2: Array, freedoms: npt.NDArray[np.intp], options: DoubtOptions | None = None
 ) -> Doubt:
     """Doubt each of the targets that were adjusted.
 
@@ -81,11 +81,11 @@ def doubt_targets(
     adjusted : AdjustedState
     chi2 : ndarray of shape (K,)
         Of each target's rigid movement against the pose that the others give (``movements_chi2``).
-    dot_counts : ndarray of shape (K,), int
-        Measured dots of each.
+    freedoms : ndarray of shape (K,), int
+        Degrees of freedom of each movement.
     options : DoubtOptions, optional
     """
-    weights = _weights(chi2, np.minimum(OWN_COUNT, 2 * dot_counts), options or DoubtOptions())
+    weights = _weights(chi2, freedoms, options or DoubtOptions())
     step, covariance = np.zeros(STATE_COUNT), np.zeros((POSE_COUNT, POSE_COUNT))
     doubted = np.flatnonzero(weights)
     if doubted.size:
@@ -96,11 +96,11 @@ def doubt_targets(
     return Doubt(weights, step, covariance)
 
 
-def _weights(chi2: Array, freedom: npt.NDArray[np.intp], options: DoubtOptions) -> Array:
+def _weights(chi2: Array, freedoms: npt.NDArray[np.intp], options: DoubtOptions) -> Array:
     """Probabilities of the hypotheses that one target moved, shape (K,), from chi-squares of their movements."""
     if len(chi2) < options.fewest_targets:
         return np.zeros(len(chi2))
-    even, least = (chdtri(freedom, chance) for chance in (options.even_probability, options.least_probability))
+    even, least = (limits_by_freedom(p)[freedoms] for p in (options.even_probability, options.least_probability))
     log_odds = np.where(chi2 > least, (chi2 - even) / 2.0, -np.inf)
     if len(chi2) <= options.few_targets:
         log_odds = np.maximum(log_odds, np.log(options.few_odds))
@@ -115,7 +115,7 @@ def _spread(adjusted: AdjustedState, weights: Array, without: Array, steps: Arra
     ``without`` and ``steps`` are the covariance (15, 15) and the step (15,) of each hypothesis that leaves one out.
     """
     pose = slice(0, POSE_COUNT)
-    everyone = np.linalg.inv(adjusted.information)[pose, pose]
+    everyone = adjusted.covariance[pose, pose]
     steps = steps[:, pose]
     mean = weights @ steps
     lost = np.tensordot(weights, without[:, pose, pose] - everyone, axes=1)

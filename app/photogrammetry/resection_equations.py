@@ -7,7 +7,7 @@ map knows each target only up to its own covariance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -74,7 +74,7 @@ class State:
     def moved(self, step: Array) -> State:
         """The state after a step of shape (15,)."""
         rotation, position_m, whitened = np.empty((3, 3)), np.empty(3), np.empty(INTRINSIC_COUNT)
-        move_state((*_place(self.site_from_cam), self.whitened), step, (rotation, position_m, whitened))
+        move_state((*self.site_from_cam.arrays, self.whitened), step, (rotation, position_m, whitened))
         return State(Pose(rotation, position_m), whitened)
 
 
@@ -86,33 +86,41 @@ class TargetEquations:
     ----------
     gram : ndarray of shape (K, 16, 16)
         Products of the whitened columns: the target's own movement 6, intrinsics 9, residual 1.
-    information : ndarray of shape (K, 15, 15)
-        Of the state, per target, its own uncertainty eliminated.
-    gradient : ndarray of shape (K, 15)
-    chi2 : ndarray of shape (K,)
-        Squared residuals in units of their covariance (dots and own uncertainty).
+    reduced : ndarray of shape (K, 16, 16)
+        The same with the own movement eliminated and the pose in its place, so that its uncertainty is allowed for.
     seen_from_front : ndarray of shape (K,), bool
         Whether the target's measured dots are before the camera and the camera before the target.
     """
 
     gram: Array
-    information: Array
-    gradient: Array
-    chi2: Array
+    reduced: Array
     seen_from_front: Mask
 
     @classmethod
-    def of(cls, written: tuple[Array, Array, Mask]) -> TargetEquations:
-        """What ``kernels/products.py`` wrote."""
-        gram, reduced, seen_from_front = written
-        information, gradient = reduced[:, :STATE_COUNT, :STATE_COUNT], reduced[:, :STATE_COUNT, -1]
-        return cls(gram, information, gradient, reduced[:, -1, -1], seen_from_front)
+    def room(cls, count: int) -> TargetEquations:
+        """Room for those of some targets, which a compiled loop fills."""
+        gram, reduced = np.empty((2, count, COLUMNS, COLUMNS))
+        return cls(gram, reduced, np.empty(count, dtype=np.bool_))
 
-    def advanced(self, step: Array) -> TargetEquations:
-        """The equations after a step of shape (15,) along which they are linear."""
-        moved = self.information @ step
-        chi2 = np.maximum(self.chi2 + (2.0 * self.gradient + moved) @ step, 0.0)
-        return replace(self, gradient=self.gradient + moved, chi2=chi2)
+    @property
+    def arrays(self) -> tuple[Array, Array, Mask]:
+        """As compiled loops take them."""
+        return self.gram, self.reduced, self.seen_from_front
+
+    @property
+    def information(self) -> Array:
+        """Of the state, per target, shape (K, 15, 15)."""
+        return self.reduced[:, :STATE_COUNT, :STATE_COUNT]
+
+    @property
+    def gradient(self) -> Array:
+        """Per target, shape (K, 15)."""
+        return self.reduced[:, -1, :STATE_COUNT]
+
+    @property
+    def chi2(self) -> Array:
+        """Squared residuals in units of their covariance (dots and own uncertainty), shape (K,)."""
+        return self.reduced[:, -1, -1]
 
     @cached_property
     def shape_chi2(self) -> Array:
@@ -124,25 +132,16 @@ class TargetEquations:
 
 def linearise(sighted: SightedTargets, prior: CameraPrior, state: State) -> TargetEquations:
     """The collinearity equations of all targets at a state."""
-    count = len(sighted)
-    gram, reduced = np.empty((2, count, COLUMNS, COLUMNS))
-    seen_from_front = np.empty(count, dtype=np.bool_)
+    equations = TargetEquations.room(len(sighted))
     intrinsics, root = prior.camera_at(state.whitened).intrinsics, prior.arrays[1]
-    written = (gram, reduced, seen_from_front)
-    linearise_targets((*_place(state.site_from_cam), intrinsics, root), sighted.arrays, written)
-    return TargetEquations.of(written)
+    linearise_targets((*state.site_from_cam.arrays, intrinsics, root), sighted.arrays, equations.arrays)
+    return equations
 
 
 def residuals_of(sighted: SightedTargets, prior: CameraPrior, state: State) -> Array:
     """Residuals at a state, px, shape (K, 16, 2): zero where not measured, or where a dot has no image."""
-    pose, residuals_px = state.site_from_cam, np.empty(sighted.observed_px.shape)
-    place = (*_place(pose), prior.camera_at(state.whitened).intrinsics)
+    residuals_px = np.empty(sighted.observed_px.shape)
+    place = (*state.site_from_cam.arrays, prior.camera_at(state.whitened).intrinsics)
     seen = (sighted.centres_m, sighted.arms_m, sighted.observed_px, sighted.measured)
     measure_residuals(place, seen, residuals_px)
     return residuals_px
-
-
-def _place(pose: Pose) -> tuple[Array, Array]:
-    """Rotation and position as compiled loops take them."""
-    rotation, position_m = (np.require(part, np.float64, ("C", "W")) for part in (pose.rotation, pose.position_m))
-    return rotation, position_m

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -13,13 +12,13 @@ import numpy.typing as npt
 from app.geometry.observations import TargetObservation
 from app.geometry.plate_sigmas import MODE_COUNT, PlateSigmas
 from app.geometry.target_map import TargetMap
-from app.photogrammetry.kernels.shared_errors import find_modes
+from app.photogrammetry.kernels.products import OWN
+from app.photogrammetry.kernels.shared_errors import find_modes, whiten_dots
 from app.targets.layout import DOT_COUNT, dot_centres_u
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 Index = npt.NDArray[np.intp] | Mask
-Scalar = TypeVar("Scalar", bound=np.generic)
 
 PLATE_SHAPES = np.concatenate([np.ones((DOT_COUNT, 1)), dot_centres_u()], axis=1)  # 1, x, y over the plate
 
@@ -81,6 +80,15 @@ class SightedTargets:
         """Measured dots of each target, shape (K,)."""
         return np.count_nonzero(self.measured, axis=1)
 
+    @cached_property
+    def freedoms(self) -> npt.NDArray[np.intp]:
+        """Degrees of freedom of each target's rigid movement, shape (K,): six, or less where dots are few."""
+        return np.minimum(OWN, 2 * self.dot_counts)
+
+    def where(self, mask: Mask) -> SightedTargets:
+        """Those of a mask of shape (K,), which are mostly all."""
+        return self if mask.all() else self.take(mask)
+
     def take(self, index: Index) -> SightedTargets:
         """Some of the targets."""
         return SightedTargets(
@@ -106,19 +114,16 @@ def sight_targets(observations: Sequence[TargetObservation], target_map: TargetM
         When a measured dot's covariance is not positive definite.
     """
     mapped = [target_map.by_code[observation.code] for observation in observations]
-    measured = _stacked([observation.measured for observation in observations])
-    centres_m = _stacked([target.site_from_target.position_m for target in mapped])
-    covariances_px2 = _stacked([observation.covariances_px2 for observation in observations])
-    whiteners = _whiteners(covariances_px2, measured)
-    modes = np.empty((len(mapped), MODE_COUNT, 2 * DOT_COUNT))
-    find_modes(whiteners, PLATE_SHAPES, modes)
+    measured = np.array([seen.measured for seen in observations])
+    whiteners, modes = _weights(np.array([seen.covariances_px2 for seen in observations]), measured)
+    centres_m = np.array([target.site_from_target.position_m for target in mapped])
     return SightedTargets(
         codes=np.array([target.code for target in mapped], dtype=np.int64),
-        rotations=_stacked([target.site_from_target.rotation for target in mapped]),
+        rotations=np.array([target.site_from_target.rotation for target in mapped]),
         centres_m=centres_m,
-        arms_m=_stacked([target.dots_m for target in mapped]) - centres_m[:, None],
-        own_covariances=_stacked([target.covariance for target in mapped]),
-        observed_px=_stacked([observation.centres_px for observation in observations]),
+        arms_m=np.array([target.dots_m for target in mapped]) - centres_m[:, None],
+        own_covariances=np.array([target.covariance for target in mapped]),
+        observed_px=np.array([seen.centres_px for seen in observations]),
         whiteners=whiteners,
         measured=measured,
         modes=modes,
@@ -131,18 +136,16 @@ def _three(sigmas: PlateSigmas) -> tuple[float, float, float]:
     return sigmas.shift, sigmas.linear, sigmas.dots
 
 
-def _stacked(parts: Sequence[npt.NDArray[Scalar]]) -> npt.NDArray[Scalar]:
-    """``np.stack`` at a third of its price: it looks at each part several times."""
-    return np.concatenate(parts).reshape(len(parts), *parts[0].shape)
+def _weights(covariances_px2: Array, measured: Mask) -> tuple[Array, Array]:
+    """Whiteners and modes of sightings.
 
-
-def _whiteners(covariances_px2: Array, measured: Mask) -> Array:
-    """Inverse Cholesky factors of 2 x 2 covariances, shape (K, 16, 3); zero where not measured."""
-    xx = np.where(measured, covariances_px2[..., 0, 0], 1.0)
-    xy = np.where(measured, covariances_px2[..., 0, 1], 0.0)
-    yy = np.where(measured, covariances_px2[..., 1, 1], 1.0)
-    rest = yy - xy * xy / np.where(xx > 0, xx, 1.0)
-    if not ((xx > 0) & (rest > 0) & np.isfinite(xx) & np.isfinite(rest)).all():
+    Raises
+    ------
+    ValueError
+        When a measured dot's covariance is not positive definite.
+    """
+    whiteners, modes = np.empty((*measured.shape, 3)), np.empty((len(measured), MODE_COUNT, 2 * DOT_COUNT))
+    if not whiten_dots(covariances_px2, measured, whiteners):
         raise ValueError("the covariance of each measured dot must be finite and positive definite")
-    first, second = 1.0 / np.sqrt(xx), 1.0 / np.sqrt(rest)
-    return np.stack([first, -xy / xx * second, second], axis=-1) * measured[..., None]
+    find_modes(whiteners, PLATE_SHAPES, modes)
+    return whiteners, modes

@@ -14,11 +14,13 @@ import numpy.typing as npt
 from app.geometry.camera import UNDISTORT_STEPS, Camera
 from app.geometry.kernels.undistortion import normalise_points
 from app.geometry.pose import Pose
+from app.photogrammetry.kernels.votes import find_middles, measure_misses
 from app.photogrammetry.planar_pose import PlanarPoseOptions, planar_poses
 from app.photogrammetry.resection_input import SightedTargets
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
+Index = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class Start:
 
     rotations: Array
     positions_m: Array
-    proposers: npt.NDArray[np.intp]
+    proposers: Index
     misses: Array
     vote_limit: float
 
@@ -84,59 +86,35 @@ class Start:
         return int(own[np.argmin(self.misses[own, other])])
 
 
-@dataclass(frozen=True)
-class _Middles:
-    """Middles of the measured dots: site frame (K, 3), plates' normals (K, 3), normalised image (K, 2)."""
-
-    middles_m: Array
-    normals: Array
-    normalised: Array
-
-
 def find_start(sighted: SightedTargets, camera: Camera, options: StartOptions | None = None) -> Start | None:
     """Proposals and votes; None when no target has enough dots for a planar pose."""
     options = options or StartOptions()
-    proposers = _largest(sighted, options)
-    weights = sighted.measured / np.maximum(sighted.dot_counts, 1)[:, None]
-    middles_px = (weights[:, None] @ sighted.observed_px)[:, 0]
-    dots_px = sighted.observed_px[proposers].reshape(-1, 2)
-    points_px = np.concatenate([middles_px, dots_px])
+    count = len(sighted)
+    middles_m, middles_px, sizes_px2 = np.empty((count, 3)), np.empty((count, 2)), np.empty(count)
+    seen = (sighted.centres_m, sighted.arms_m, sighted.observed_px, sighted.measured)
+    find_middles(seen, (middles_m, middles_px, sizes_px2))
+    # A target's pose is the better, the further its dots lie from their middle in the image.
+    proposers = np.argsort(-sizes_px2, kind="stable")[: options.proposers]
+    points_px = np.concatenate([middles_px, sighted.observed_px[proposers].reshape(-1, 2)])
     normalised = np.empty_like(points_px)
-    normalise_points(np.array(camera.intrinsics), points_px, UNDISTORT_STEPS, normalised)
-    middles, dots = normalised[: len(sighted)], normalised[len(sighted) :].reshape(len(proposers), -1, 2)
-    rotations, positions_m, exists = _propose(sighted.take(proposers), dots, options)
-    if not exists.any():
+    normalise_points(camera.intrinsics.copy(), points_px, UNDISTORT_STEPS, normalised)
+    dots = normalised[count:].reshape(len(proposers), -1, 2)
+    proposals, owners = _propose(sighted, proposers, dots, options)
+    if not owners.size:
         return None
-    middles_m = sighted.centres_m + (weights[:, None] @ sighted.arms_m)[:, 0]
-    seen = _Middles(middles_m, sighted.rotations[..., 2], middles)
-    rotations, positions_m = rotations[exists], positions_m[exists]
-    owners = np.broadcast_to(proposers[:, None], exists.shape)[exists]
-    return Start(rotations, positions_m, owners, _misses(seen, rotations, positions_m), options.vote_limit)
+    misses = np.empty((len(owners), count))
+    measure_misses((middles_m, sighted.rotations, normalised[:count]), proposals, misses)
+    return Start(*proposals, owners, misses, options.vote_limit)
 
 
-def _largest(sighted: SightedTargets, options: StartOptions) -> npt.NDArray[np.intp]:
-    """Indices of the targets with the largest sum of squared distances between image and centroid: the best posed."""
-    weights = sighted.measured[..., None]
-    counts = np.maximum(sighted.dot_counts, 1)[:, None, None]
-    centred_px = sighted.observed_px - (sighted.observed_px * weights).sum(axis=1, keepdims=True) / counts
-    size_px2 = (centred_px**2 * weights).sum(axis=(1, 2))
-    return np.argsort(-size_px2, kind="stable")[: options.proposers]
-
-
-def _propose(sighted: SightedTargets, normalised: Array, options: StartOptions) -> tuple[Array, Array, Mask]:
-    """Both planar poses of P targets in the site: rotations (P, 2, 3, 3), positions (P, 2, 3), which exist (P, 2)."""
-    plane_m = (sighted.arms_m @ sighted.rotations)[..., :2]
-    found = planar_poses(plane_m, normalised, sighted.measured, options.planar)
-    rotations = sighted.rotations[:, None] @ np.swapaxes(found.rotations, -1, -2)
-    positions_m = sighted.centres_m[:, None] - (rotations @ found.translations_m[..., None])[..., 0]
-    return rotations, positions_m, found.exists
-
-
-def _misses(seen: _Middles, rotations: Array, positions_m: Array) -> Array:
-    """How far each target's middle stands from where each proposal sees it, normalised units, shape (H, K)."""
-    offsets_m = seen.middles_m - positions_m[:, None]
-    cam_m = offsets_m @ rotations
-    from_front = (cam_m[..., 2] > 0) & ((offsets_m * seen.normals).sum(axis=-1) < 0)
-    depth_m = np.where(from_front, cam_m[..., 2], 1.0)
-    misses = np.linalg.norm(cam_m[..., :2] / depth_m[..., None] - seen.normalised, axis=-1)
-    return np.where(from_front, misses, np.inf)
+def _propose(
+    sighted: SightedTargets, proposers: Index, normalised: Array, options: StartOptions
+) -> tuple[tuple[Array, Array], Index]:
+    """Both planar poses of some targets, where they exist: H rotations and positions in the site, and their owners."""
+    site_from_target = sighted.rotations[proposers]
+    plane_m = (sighted.arms_m[proposers] @ site_from_target)[..., :2]
+    found = planar_poses(plane_m, normalised, sighted.measured[proposers], options.planar)
+    exists = found.exists
+    rotations = site_from_target[:, None] @ np.swapaxes(found.rotations, -1, -2)
+    positions_m = sighted.centres_m[proposers][:, None] - (rotations @ found.translations_m[..., None])[..., 0]
+    return (rotations[exists], positions_m[exists]), np.repeat(proposers, exists.sum(axis=1))

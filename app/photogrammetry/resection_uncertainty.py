@@ -14,7 +14,7 @@ from scipy.special import chdtri
 
 from app.geometry.camera import CalibratedCamera, CameraSource
 from app.photogrammetry.resection_adjustment import AdjustedState, evaluate
-from app.photogrammetry.resection_equations import OWN_COUNT, POSE_COUNT, RIDGE, ROTATION, STATE_COUNT, CameraPrior
+from app.photogrammetry.resection_equations import POSE_COUNT, ROTATION, STATE_COUNT, CameraPrior
 from app.photogrammetry.resection_input import SightedTargets
 
 Array = npt.NDArray[np.float64]
@@ -69,21 +69,24 @@ class _Walk:
     sighted: SightedTargets
     prior: CameraPrior
     adjusted: AdjustedState
-    covariance: Array
     options: UncertaintyOptions
 
     def rise(self, step: Array) -> float:
         """By how much the sum of squares rises after a step when all that does not undo the turn is adjusted again."""
         turn = np.zeros(STATE_COUNT)
-        turn[ROTATION] = step[ROTATION]
+        turn[ROTATION] = step[ROTATION] / np.linalg.norm(step[ROTATION])
         state, chi2 = self.adjusted.state.moved(step), np.inf
         for _ in range(self.options.walk_steps):
             at = evaluate(self.sighted, self.prior, state)
-            # Holding the turn: an observation of it far heavier than all others.
-            held = at.information + np.outer(turn, turn) * (np.trace(at.information) / (turn @ turn) ** 2 / RIDGE)
-            correction = np.linalg.solve(held, -at.gradient)
+            correction = _hold(at, turn)
             state, chi2 = state.moved(correction), at.chi2 + float(at.gradient @ correction)
         return chi2 - self.adjusted.chi2
+
+
+def _hold(at: AdjustedState, turn: Array) -> Array:
+    """The step of least squares, shape (15,), that does not turn about an axis: ``turn`` (15,) of unit length."""
+    free = np.linalg.svd(turn[None])[2][1:]  # 14 directions perpendicular to it
+    return np.asarray(free.T @ np.linalg.solve(free @ at.information @ free.T, -free @ at.gradient))
 
 
 def pose_uncertainty(
@@ -91,8 +94,8 @@ def pose_uncertainty(
 ) -> PoseUncertainty:
     """Covariance of the pose that was adjusted to all of the targets."""
     options = options or UncertaintyOptions()
-    covariance: Array = np.asarray(np.linalg.inv(adjusted.information), dtype=np.float64)
-    widest, widened, walk = 1.0, covariance, _Walk(sighted, prior, adjusted, covariance, options)
+    covariance = adjusted.covariance
+    widest, widened, walk = 1.0, covariance, _Walk(sighted, prior, adjusted, options)
     variances, axes = np.linalg.eigh(covariance[ROTATION, ROTATION])
     for variance, axis in zip(variances, axes.T, strict=True):
         if variance > options.linear_rad**2:
@@ -105,7 +108,7 @@ def pose_uncertainty(
 
 def posterior_camera(prior: CameraPrior, adjusted: AdjustedState, source: CameraSource) -> CalibratedCamera:
     """The camera after an adjustment: its prior, sharpened by what the photograph's geometry carries."""
-    whitened = np.linalg.inv(adjusted.information)[POSE_COUNT:, POSE_COUNT:]
+    whitened = adjusted.covariance[POSE_COUNT:, POSE_COUNT:]
     covariance = prior.root @ whitened @ prior.root.T
     return CalibratedCamera(prior.camera_at(adjusted.state.whitened), (covariance + covariance.T) / 2.0, source)
 
@@ -120,7 +123,7 @@ def variance_factor(
     """
     options = options or UncertaintyOptions()
     movements = adjusted.chi2 - float(adjusted.equations.shape_chi2.sum())
-    freedom = int(np.minimum(OWN_COUNT, 2 * sighted.dot_counts).sum()) - POSE_COUNT
+    freedom = int(sighted.freedoms.sum()) - POSE_COUNT
     factors = [1.0]
     for chi2, degrees in ((adjusted.chi2, adjusted.redundancy), (movements, freedom)):
         if degrees > 0 and chi2 > chdtri(degrees, options.significance):

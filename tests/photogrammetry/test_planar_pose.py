@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.geometry.rotation import angle_between_deg, exp_rotation
-from app.photogrammetry.planar_closed_form import closed_form_poses
+from app.photogrammetry.kernels.planar import solve_planar_pose
 from app.photogrammetry.planar_pose import PlanarPoseOptions, planar_poses
 from app.targets.layout import DEFAULT_U_M, DOT_COUNT, dot_centres_u, dots_target_m
 
@@ -60,8 +60,9 @@ def test_closed_form_solutions_mirror_each_other_about_the_line_of_sight(
 ) -> None:
     translation_m = np.array([place[0] * place[2], place[1] * place[2], place[2]])
     normalised = image_of(tilted(tilt, towards, roll), translation_m)
-    rotations, _ = closed_form_poses(PLANE_M[None], normalised, np.ones((1, DOT_COUNT)))
-    first, second = rotations[0, 0, :, 2], rotations[0, 1, :, 2]  # the plate's normals
+    rotations = np.empty((2, 3, 3))
+    solve_planar_pose(PLANE_M, normalised[0], np.ones(DOT_COUNT), rotations, np.empty((2, 3)))
+    first, second = rotations[0, :, 2], rotations[1, :, 2]  # the plate's normals
     sight = translation_m / np.linalg.norm(translation_m)
     np.testing.assert_allclose(second, 2.0 * (first @ sight) * sight - first, atol=1e-6)
     np.testing.assert_allclose(np.linalg.det(rotations), 1.0, atol=1e-9)

@@ -14,7 +14,6 @@ from app.photogrammetry.resection_ambiguity import AmbiguityOptions, better_side
 from app.photogrammetry.resection_consensus import Problem
 from app.photogrammetry.resection_equations import CameraPrior, State
 from app.photogrammetry.resection_input import sight_targets
-from app.targets.layout import DEFAULT_U_M, dots_target_m
 from tests.photogrammetry.resection_scene import Scene, calibrated, looking, map_of, observe, plate, room_scene
 
 OPTIONS = AmbiguityOptions()
@@ -44,14 +43,14 @@ def test_mirroring_reflects_the_normal_about_the_line_of_sight_and_is_its_own_in
     turn: tuple[float, float, float], distance_m: float
 ) -> None:
     cam_from_site = Pose(exp_rotation(np.array(turn)) @ np.diag([1.0, -1.0, -1.0]), np.array([0.1, -0.2, distance_m]))
-    dots_m = dots_target_m(DEFAULT_U_M)  # a plate whose frame is the site's
     site_from_cam = cam_from_site.inverse()
-    mirrored = mirrored_pose(site_from_cam, dots_m)
+    plate_in_site = np.zeros(3), np.array([0.0, 0.0, 1.0])  # a plate whose frame is the site's
+    mirrored = mirrored_pose(site_from_cam, *plate_in_site)
     sight = cam_from_site.position_m / np.linalg.norm(cam_from_site.position_m)
     normal, other = cam_from_site.rotation[:, 2], mirrored.inverse().rotation[:, 2]
     np.testing.assert_allclose(other, 2.0 * (normal @ sight) * sight - normal, atol=1e-7)
     np.testing.assert_allclose(mirrored.inverse().position_m, cam_from_site.position_m, atol=1e-9)
-    again = mirrored_pose(mirrored, dots_m)
+    again = mirrored_pose(mirrored, *plate_in_site)
     np.testing.assert_allclose(again.rotation, site_from_cam.rotation, atol=1e-6)
 
 
@@ -78,8 +77,8 @@ def test_a_far_small_plate_leaves_the_question_open() -> None:
 def test_the_better_pose_wins_from_either_side() -> None:
     scene = single(1.5, 0.5)
     problem = problem_of(scene, 1)
-    dots_m = problem.sighted.dots_m[0]
-    wrong = State(mirrored_pose(scene.site_from_cam, dots_m), np.zeros(9))
+    plane = problem.sighted.centres_m[0], problem.sighted.rotations[0, :, 2]
+    wrong = State(mirrored_pose(scene.site_from_cam, *plane), np.zeros(9))
     right = better_side(problem, ONE, wrong, OPTIONS)
     assert angle_between_deg(right.site_from_cam.rotation, scene.site_from_cam.rotation) < 2.0
     adjusted = adjust_pose(problem.sighted, problem.prior, wrong, free_camera=False)

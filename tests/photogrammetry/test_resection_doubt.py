@@ -32,7 +32,7 @@ def test_good_targets_are_hardly_doubted() -> None:
     weights = []
     for seed in range(60):
         seen, adjusted = adjusted_to(room_scene(6, seed % 10), seed)
-        weights.append(doubt_targets(adjusted, movements_chi2(adjusted), seen.dot_counts).weights.sum())
+        weights.append(doubt_targets(adjusted, movements_chi2(adjusted), seen.freedoms).weights.sum())
     # Six chi-squares of six: one in 20 is looked at, with odds of a few per cent, one in 100 counts as even.
     assert np.mean(weights) < 0.15
 
@@ -40,7 +40,7 @@ def test_good_targets_are_hardly_doubted() -> None:
 def test_a_displaced_target_is_left_out_by_its_evidence() -> None:
     scene = room_scene(6, 3)
     seen, adjusted = adjusted_to(scene, 1, 0.01)
-    doubt = doubt_targets(adjusted, movements_chi2(adjusted), seen.dot_counts)
+    doubt = doubt_targets(adjusted, movements_chi2(adjusted), seen.freedoms)
     assert doubt.weights[0] > 0.99
     without = adjust_pose(seen.take(np.arange(6) > 0), CameraPrior.of(scene.camera), adjusted.state)
     averaged = adjusted.state.moved(doubt.step).site_from_cam
@@ -54,7 +54,7 @@ def test_a_displaced_target_is_left_out_by_its_evidence() -> None:
 @pytest.mark.parametrize("shift_m", [0.003, 0.004])
 def test_between_the_two_the_covariance_holds_what_they_differ_by(shift_m: float) -> None:
     seen, adjusted = adjusted_to(room_scene(6, 3), 1, shift_m)
-    doubt = doubt_targets(adjusted, movements_chi2(adjusted), seen.dot_counts)
+    doubt = doubt_targets(adjusted, movements_chi2(adjusted), seen.freedoms)
     everyone = np.linalg.inv(adjusted.information)[:6, :6]
     assert np.linalg.eigvalsh(everyone + doubt.covariance).min() > 0.0
     assert np.linalg.eigvalsh(doubt.covariance).min() > -1e-9 * np.trace(doubt.covariance)
@@ -64,10 +64,10 @@ def test_between_the_two_the_covariance_holds_what_they_differ_by(shift_m: float
 
 def test_two_targets_cannot_be_doubted_and_three_always_are() -> None:
     seen, adjusted = adjusted_to(room_scene(2, 3), 1)
-    assert not doubt_targets(adjusted, movements_chi2(adjusted), seen.dot_counts).covariance.any()
+    assert not doubt_targets(adjusted, movements_chi2(adjusted), seen.freedoms).covariance.any()
     seen, adjusted = adjusted_to(room_scene(3, 3), 1)
-    assert not doubt_targets(adjusted, movements_chi2(adjusted), seen.dot_counts, NO_FLOOR).weights.all()
-    weights = doubt_targets(adjusted, movements_chi2(adjusted), seen.dot_counts).weights
+    assert not doubt_targets(adjusted, movements_chi2(adjusted), seen.freedoms, NO_FLOOR).weights.all()
+    weights = doubt_targets(adjusted, movements_chi2(adjusted), seen.freedoms).weights
     assert (weights >= 0.1 / 1.3 - 1e-9).all() or weights.max() > 0.5
     assert weights.sum() < 1.0
 

@@ -85,6 +85,30 @@ def move_state(state: tuple[Array, Array, Array], step: Array, moved: tuple[Arra
         moved[2][intrinsic] = state[2][intrinsic] + step[OWN + intrinsic]
 
 
+@compiled(f"float64({PLACE}, float64[::1], float64)")
+def _advance_place(place: tuple[Any, ...], step: Array, chi2: float) -> float:
+    """A place after a step of shape (15,), along which its equations are linear; the sum of squares there."""
+    state, (_, reduced, _), (information, gradient) = place
+    move_state(state, step, state)
+    for target in range(len(reduced)):
+        products = reduced[target]
+        for row in range(STATE):
+            moved = 0.0
+            for column in range(STATE):
+                moved += products[row, column] * step[column]
+            products[STATE, STATE] += step[row] * (2.0 * products[STATE, row] + moved)
+            products[STATE, row] += moved
+            products[row, STATE] = products[STATE, row]
+        products[STATE, STATE] = max(products[STATE, STATE], 0.0)
+    for row in range(STATE):
+        moved = 0.0
+        for column in range(STATE):
+            moved += information[row, column] * step[column]
+        chi2 += step[row] * (2.0 * gradient[row] + moved)
+        gradient[row] += moved
+    return max(chi2, 0.0)
+
+
 @compiled(f"float64(float64[::1], float64, {PRIOR})")
 def _length(step: Array, nearest_m: float, prior: tuple[Array, Array]) -> float:
     """The greatest of a step's rotation (rad), shift (nearest distances) and camera (units of the image plane)."""
@@ -136,12 +160,14 @@ def _return_to_floor(photo: tuple[Any, ...], place: tuple[Any, ...], longest: Ar
 
 @compiled(
     f"Tuple((boolean, int64, float64))({PHOTO}, UniTuple({PLACE}, 2), "
-    "Tuple((int64, boolean, float64, float64, float64, float64, float64, float64)), float64[::1])"
+    "Tuple((int64, boolean, float64, float64, float64, float64, float64, float64)))"
 )
 def descend(
-    photo: tuple[Any, ...], places: tuple[tuple[Any, ...], ...], limits: tuple[Any, ...], step: Array
+    photo: tuple[Any, ...], places: tuple[tuple[Any, ...], ...], limits: tuple[Any, ...]
 ) -> tuple[bool, int, float]:
     """Adjust to all targets; whether it converged, in which of the two places the best stands, its squares.
+
+    The last step, which is short, is taken along equations that stay as they are.
 
     Parameters
     ----------
@@ -150,13 +176,11 @@ def descend(
         As ``evaluate_place`` takes them. The first state is the start; best and trial take turns.
     limits : tuple
         Most steps, whether the camera is free, then the limits of ``AdjustmentOptions`` in their order.
-    step : ndarray of shape (15,), written
-        The last step, along which the equations are linear: it is not yet part of the state.
     """
     max_steps, free_camera, converged_sigmas, linear_step, near_step, max_camera, max_shift, first_damping = limits
     sighted, prior = photo
     damping, unknowns, best, longest = (0.0, 2.0), OWN, 0, np.array([0.0, max_shift, max_camera])
-    chi2 = evaluate_place(photo, places[0])
+    chi2, step = evaluate_place(photo, places[0]), np.zeros(STATE)
     for _ in range(max_steps):
         state, _, (information, gradient) = places[best]
         nearest_m, middle_m = _nearest_and_middle(sighted[1], state[1])
@@ -170,7 +194,7 @@ def descend(
             gain = damped_step(information, gradient, 0.0, cuts, step)
             length = _length(step, nearest_m, prior)
         if (gain < converged_sigmas**2 or length < linear_step) and (unknowns == STATE or not free_camera):
-            return True, best, chi2
+            return True, best, _advance_place(places[best], step, chi2)
         if damping[0] > 0.0:
             gain = damped_step(information[:unknowns, :unknowns], gradient[:unknowns], damping[0], cuts, step)
         trial = places[1 - best]
@@ -183,5 +207,4 @@ def descend(
         damping = _next_damping(damping, gained / gain, first_damping)
         if gained > 0.0:
             best, chi2 = 1 - best, trial_chi2
-    step[:] = 0.0
     return False, best, chi2

@@ -154,28 +154,24 @@ def _fit_translation(rotation: Array, plane: Array, image: Array, weights: Array
     solve_symmetric(normals, translation)
 
 
-@compiled("void(float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], float64[:, :, :, ::1], float64[:, :, ::1])")
-def solve_planar_poses(
-    plane_m: Array, normalised: Array, weights: Array, rotations: Array, translations_m: Array
-) -> None:
-    """Both poses ``cam_from_target`` of K targets: rotations (K, 2, 3, 3) and translations (K, 2, 3), written.
+@compiled("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, ::1])")
+def solve_planar_pose(plane: Array, image: Array, weights: Array, rotations: Array, translations_m: Array) -> None:
+    """Both poses ``cam_from_target`` of a target: rotations (2, 3, 3) and translations (2, 3), written.
 
     Parameters
     ----------
-    plane_m, normalised : ndarray of shape (K, N, 2)
+    plane, image : ndarray of shape (N, 2)
         Dots in the target's plane (m) and their image-plane coordinates.
-    weights : ndarray of shape (K, N)
-        1 for a measured dot, 0 for another; the measured dots of each target are not collinear.
+    weights : ndarray of shape (N,)
+        1 for a measured dot, 0 for another; the measured dots are not collinear.
     """
     h, jacobian = np.empty(ELEMENTS), np.empty((2, 2))
-    for target in range(len(plane_m)):
-        plane, image, w = plane_m[target], normalised[target], weights[target]
-        _fit_homography(plane, image, w, h)
-        _, _, plane_size = _middle_and_spread(plane, w)
-        image_x, image_y, image_size = _middle_and_spread(image, w)
-        for column in range(2):
-            jacobian[0, column] = (h[column] - h[2] * h[6 + column]) * image_size / plane_size
-            jacobian[1, column] = (h[3 + column] - h[5] * h[6 + column]) * image_size / plane_size
-        _rotations_of_jacobian(image_x + image_size * h[2], image_y + image_size * h[5], jacobian, rotations[target])
-        for solution in range(2):
-            _fit_translation(rotations[target, solution], plane, image, w, translations_m[target, solution])
+    _fit_homography(plane, image, weights, h)
+    _, _, plane_size = _middle_and_spread(plane, weights)
+    image_x, image_y, image_size = _middle_and_spread(image, weights)
+    for column in range(2):
+        jacobian[0, column] = (h[column] - h[2] * h[6 + column]) * image_size / plane_size
+        jacobian[1, column] = (h[3 + column] - h[5] * h[6 + column]) * image_size / plane_size
+    _rotations_of_jacobian(image_x + image_size * h[2], image_y + image_size * h[5], jacobian, rotations)
+    for solution in range(2):
+        _fit_translation(rotations[solution], plane, image, weights, translations_m[solution])

@@ -9,11 +9,42 @@ from app.compiled import compiled
 from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 MODES, SHIFTS = 6, 2  # two of shift, then four linear
 COORDINATES = 2 * DOT_COUNT
 # A mode that the measured dots do not tell from those before it, by what is left of its length.
 LEAST_LENGTH = float(np.sqrt(np.finfo(np.float64).eps))
+
+
+@compiled("boolean(float64[:, :, :, ::1], boolean[:, ::1], float64[:, :, ::1])")
+def whiten_dots(covariances_px2: Array, measured: Mask, whiteners: Array) -> bool:
+    """Inverse Cholesky factors of the dots' covariances, written; False when one is not finite and positive definite.
+
+    Parameters
+    ----------
+    covariances_px2 : ndarray of shape (K, 16, 2, 2)
+    measured : ndarray of shape (K, 16), bool
+    whiteners : ndarray of shape (K, 16, 3)
+        Elements (0, 0), (1, 0), (1, 1); zero where not measured.
+    """
+    whiteners[:] = 0.0
+    for sighting in range(len(measured)):
+        for dot in range(DOT_COUNT):
+            if not measured[sighting, dot]:
+                continue
+            xx, xy, yy = (
+                covariances_px2[sighting, dot, 0, 0],
+                covariances_px2[sighting, dot, 0, 1],
+                covariances_px2[sighting, dot, 1, 1],
+            )
+            rest = yy - xy * xy / xx
+            if not (0.0 < xx < np.inf and 0.0 < rest < np.inf):
+                return False
+            whitener = whiteners[sighting, dot]
+            whitener[0], whitener[2] = 1.0 / np.sqrt(xx), 1.0 / np.sqrt(rest)
+            whitener[1] = -xy / xx * whitener[2]
+    return True
 
 
 @compiled("void(float64[:, ::1], int64)")
@@ -31,9 +62,9 @@ def _take_out_earlier(basis: Array, mode: int) -> None:
     after = 0.0
     for place in range(COORDINATES):
         after += basis[mode, place] ** 2
-    told_apart = after > LEAST_LENGTH * before
+    scale = 1.0 / np.sqrt(after) if after > LEAST_LENGTH * before else 0.0
     for place in range(COORDINATES):
-        basis[mode, place] = basis[mode, place] / np.sqrt(after) if told_apart else 0.0
+        basis[mode, place] *= scale
 
 
 @compiled("void(float64[:, :, ::1], float64[:, ::1], float64[:, :, ::1])")
