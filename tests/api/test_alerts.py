@@ -2,83 +2,21 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass, replace
-
-import httpx
 import numpy as np
 import pytest
 
-from app.geometry.target_map import TargetMap
-from app.storage.ids import new_id
-from app.storage.records import Origin, Publication
-from app.storage.target_maps import TargetMapRepository
+from tests.api.bumped_room import MOVED, SHIFT_M, UNKNOWN, VIEWS_M, Watched, alerts, bumped_room, publish
 from tests.api.conftest import SurveyedRoom
 from tests.api.serving import Served, assert_problem
-from tests.demo_room import demo_camera, demo_scene, photograph, with_moved
+from tests.demo_room import demo_scene, photograph
 
-MOVED, SHIFT_M = 72185, np.array([0.012, 0.0, -0.009])
-UNKNOWN = 66957  # hangs in the room and is not in the map
-# Eye and aim of the snapshots, all before the north wall, where both targets hang.
-VIEWS_M = [
-    ([0.8, 1.3, 1.4], [1.0, 4.0, 1.6]),
-    ([1.6, 1.5, 1.5], [1.0, 4.0, 1.6]),
-    ([2.4, 1.9, 1.5], [1.1, 4.0, 1.6]),
-    ([1.2, 2.2, 1.6], [1.1, 4.0, 1.6]),
-    ([2.0, 1.1, 1.3], [1.2, 4.0, 1.6]),
-    ([0.6, 1.9, 1.5], [1.1, 4.0, 1.6]),
-]
 GROSS_SIGMAS = 5.0
 MAP_MM = 2.0  # what the demonstration room's map may err by at one target
 
 
-@dataclass(frozen=True)
-class Watched:
-    """A site with a map that its room does not fit any more, and its alerts before and after the snapshots."""
-
-    site_id: str
-    target_map: TargetMap
-    early: list[dict[str, object]]
-    answers: list[httpx.Response]
-
-
-def publish(served: Served, site_id: str, target_map: TargetMap) -> None:
-    origin = Origin(served.new_survey(site_id), new_id())
-    with served.services.database.writing() as session:
-        maps = TargetMapRepository(session)
-        maps.activate(site_id, maps.publish(site_id, Publication(target_map, origin, (), (), {})))
-
-
-def alerts(served: Served, site_id: str, **query: str | int) -> list[dict[str, object]]:
-    answer = served.client.get(f"/sites/{site_id}/alerts", params=query)
-    assert answer.status_code == 200, answer.text
-    found: list[dict[str, object]] = answer.json()["alerts"]
-    return found
-
-
 @pytest.fixture(scope="module")
 def watched(served: Served, room: SurveyedRoom) -> Watched:
-    site_id = served.new_site(name="the room after somebody bumped into it")
-    with served.services.database.reading() as session:
-        whole = TargetMapRepository(session).load(room.site_id, 1)
-    target_map = replace(whole, targets=tuple(target for target in whole.targets if target.code != UNKNOWN))
-    publish(served, site_id, target_map)
-    camera = demo_camera()
-    fx, fy, cx, cy, *dist = camera.intrinsics.tolist()
-    told = {"width_px": camera.width_px, "height_px": camera.height_px, "fx": fx, "fy": fy, "cx": cx, "cy": cy}
-    scene, answers = with_moved(demo_scene(), MOVED, SHIFT_M), []
-    early: list[dict[str, object]] = []
-    for index, (eye_m, aim_m) in enumerate(VIEWS_M):
-        image = photograph(scene, eye_m, aim_m, seed=index)
-        sent = {
-            "device_id": "phone",
-            "camera": json.dumps({**told, "dist": dist}),
-            "captured_at": str(1_800_000_000 + index),
-        }
-        answers.append(served.locate(site_id, image, **sent))
-        if index == 1:
-            early = alerts(served, site_id)
-    return Watched(site_id, target_map, early, answers)
+    return bumped_room(served, room.site_id)
 
 
 def test_two_snapshots_raise_nothing(watched: Watched) -> None:

@@ -7,11 +7,14 @@ export const routes = [
   { path: "/sites/:site/surveys/:survey/photos/:photo", load: () => import("./pages/photo.js"), title: "Photograph", top: "sites", tab: "surveys", wide: true },
   { path: "/sites/:site/report", load: () => import("./pages/report.js"), title: "Report", top: "sites", tab: "report" },
   { path: "/sites/:site/room", load: () => import("./pages/room.js"), title: "Room", top: "sites", tab: "room", wide: true },
+  { path: "/sites/:site/phone/calibration", load: () => import("./pages/calibration.js"), title: "Calibrate a camera", top: "sites", tab: "phone" },
+  { path: "/sites/:site/phone", load: () => import("./pages/phone.js"), title: "Phone", top: "sites", tab: "phone" },
   { path: "/sites/:site/trajectories", load: () => import("./pages/trajectories.js"), title: "Trajectories", top: "sites", tab: "trajectories" },
   { path: "/trajectories/:trajectory", load: () => import("./pages/trajectory.js"), title: "Trajectory", top: "sites" },
   { path: "/sites/:site/evaluations", load: () => import("./pages/evaluations.js"), title: "Evaluations", top: "sites", tab: "evaluations" },
   { path: "/evaluations/live/:live", load: () => import("./pages/live_evaluation.js"), title: "Live evaluation", top: "sites" },
   { path: "/evaluations/:evaluation", load: () => import("./pages/evaluation.js"), title: "Evaluation", top: "sites" },
+  { path: "/sites/:site/alerts", load: () => import("./pages/alerts.js"), title: "Alerts", top: "sites", tab: "alerts" },
   { path: "/operator", load: () => import("./pages/operator.js"), title: "Operator", top: "operator" },
 ];
 
@@ -21,6 +24,8 @@ export const siteTabs = [
   { tab: "surveys", label: "Surveys", scopes: ["survey"] },
   { tab: "report", label: "Report", scopes: ["survey", "analyse"] },
   { tab: "room", label: "Room" },
+  { tab: "phone", label: "Phone", scopes: ["locate"] },
   { tab: "trajectories", label: "Trajectories", scopes: ["analyse"] },
   { tab: "evaluations", label: "Evaluations", scopes: ["analyse"] },
+  { tab: "alerts", label: "Alerts", scopes: ["survey", "analyse"] },
 ];

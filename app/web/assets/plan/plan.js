@@ -32,14 +32,15 @@ export function Plan({ label, bounds, draw, keys, points, pointer }) {
   const look = (next, whole = false) => { view.current = next; setFits(whole); redraw(); };
   const fit = () => look(fitted(latest.current.bounds, view.current.width_px, view.current.height_px), true);
   useEffect(() => {
+    const around = place.current; // a page that is left is told of its last change of size
     const observer = new ResizeObserver(() => {
-      const [width_px, height_px] = [place.current.clientWidth, place.current.clientHeight];
+      const [width_px, height_px] = [around.clientWidth, around.clientHeight];
       if (!width_px || !height_px) return;
       [under.current, over.current].forEach((canvas) => size(canvas, width_px, height_px));
       view.current = view.current && !latest.current.fits ? resized(view.current, width_px, height_px) : fitted(latest.current.bounds, width_px, height_px);
       redraw();
     });
-    observer.observe(place.current);
+    observer.observe(around);
     const ends = [followHands(over.current, view, look, () => latest.current.points, pointer), pointer.listen(() => ring(over.current, view.current, latest.current.points, pointer.get()))];
     return () => { cancelAnimationFrame(frame.current); observer.disconnect(); ends.forEach((end) => end()); };
   }, [pointer]);

@@ -1,13 +1,12 @@
 // Build the survey: options, live stage and progress, a log, cancel; then the way to the report.
-import { all, get, listen, post } from "../core/api.js";
-import { plural, time } from "../core/format.js";
+import { all, post } from "../core/api.js";
+import { plural } from "../core/format.js";
 import { useAction, useLoaded } from "../core/hooks.js";
-import { html, useEffect, useState } from "../core/html.js";
-import { Badge, Button, Failure, Field, Notice } from "../ui/parts.js";
+import { html, useState } from "../core/html.js";
+import { JobProgress } from "../ui/job.js";
+import { Button, Failure, Field, Notice } from "../ui/parts.js";
 import { setExclusion, sizeOf, useExclusion } from "./exclusion.js";
 
-const ENDED = ["succeeded", "failed", "cancelled"];
-const KINDS = { queued: "off", running: "info", succeeded: "good", failed: "bad", cancelled: "warn" };
 const STAGES = { queued: "waiting for a worker", detect: "looking for targets", network: "putting photographs together", adjust: "adjusting", done: "done" };
 const STRICTNESSES = [["strict", "strict: fewer targets, no doubtful one"], ["normal", "normal"], ["eager", "eager: also small and dim ones"]];
 const LEAST_PHOTOGRAPHS = 2;
@@ -19,7 +18,7 @@ export function Build({ site, surveyId, names, points }) {
   return html`<section class="card" aria-label="Build"><h2>Build</h2>
     <${Options} site=${site} surveyId=${surveyId} names=${names} points=${points} onStarted=${setStarted} />
     <${Failure} error=${jobs.error} />
-    ${jobId && html`<${Progress} key=${jobId} site=${site} jobId=${jobId} />`}</section>`;
+    ${jobId && html`<${JobProgress} key=${jobId} jobId=${jobId} label="Build progress" stages=${STAGES} onSuccess=${(job) => html`<${Succeeded} site=${site} job=${job} />`} />`}</section>`;
 }
 
 /** Builds of the survey, the newest first. */
@@ -65,47 +64,8 @@ export function LeftOut({ surveyId, exclude }) {
     <${Button} onClick=${() => setExclusion(surveyId, {})}>Use all again</${Button}></div></${Notice}>`;
 }
 
-/** A job as it goes on, and what it went through. */
-export function Progress({ site, jobId }) {
-  const { job, log, connected, error } = useJob(jobId);
-  const cancelling = useAction(() => post(`/jobs/${jobId}/cancel`));
-  if (!job) return html`<${Failure} error=${error} />`;
-  const running = !ENDED.includes(job.state);
-  return html`<div class="build-progress" role="status" aria-label="Build progress">
-    <div class="row spread"><span><${Badge} kind=${KINDS[job.state]}>${job.state}</${Badge}> ${running && (STAGES[job.stage] ?? job.stage)} ${running && job.total > 1 && html`<span class="number">${job.done} of ${job.total}</span>`}</span>
-      ${running && html`<${Button} busy=${cancelling.busy} onClick=${cancelling.run}>Cancel</${Button}>`}</div>
-    ${running && html`<progress max=${job.total || 1} value=${job.total ? job.done : null} aria-label="Stage"></progress>`}
-    ${running && !connected && html`<p class="small muted">The connection is lost; the build goes on, and this page looks again.</p>`}
-    <${Failure} error=${cancelling.error} />
-    ${job.state === "failed" && html`<${Notice} kind="bad"><p>${job.error?.detail}</p></${Notice}>`}
-    ${job.state === "succeeded" && html`<${Succeeded} site=${site} job=${job} />`}
-    <details><summary class="small">Log</summary><ol class="small log">${log.map((line) => html`<li key=${line.stage}>${line.text}</li>`)}</ol></details>
-  </div>`;
-}
-
 function Succeeded({ site, job }) {
   const { map_version, targets, photographs, unoriented } = job.result;
   return html`<${Notice} kind="good"><div class="row spread"><span>Version ${map_version}: ${plural(targets, "target")} of ${plural(photographs, "photograph")}${unoriented ? `, ${unoriented} of which could not be used` : ""}.</span>
     <a class="button primary" href=${`#/sites/${site.site_id}/report?version=${map_version}`}>See the report</a></div></${Notice}>`;
-}
-
-/** A job by its events, from now to its end. */
-function useJob(jobId) {
-  const [state, setState] = useState({ job: null, log: [], connected: true, error: null });
-  useEffect(() => {
-    const take = (job) => { setState((before) => ({ ...before, job, log: logged(before.log, job), error: null })); if (ENDED.includes(job.state)) close(); };
-    const close = listen(`/jobs/${jobId}/events`, { message: take }, (connected) => setState((before) => ({ ...before, connected })));
-    get(`/jobs/${jobId}`).then((job) => setState((before) => (before.job ? before : { ...before, job, log: logged(before.log, job) })), (error) => setState((before) => ({ ...before, error })));
-    return close;
-  }, [jobId]);
-  return state;
-}
-
-/** The log with the job's present stage as its last line. */
-function logged(log, job) {
-  const stage = ENDED.includes(job.state) ? job.state : job.stage || job.state;
-  const at = ENDED.includes(job.state) ? job.finished_at : new Date().toISOString();
-  const progress = job.total > 1 && !ENDED.includes(job.state) ? `, ${job.done} of ${job.total}` : "";
-  const text = `${time(at)}: ${STAGES[stage] ?? stage}${progress}`;
-  return log.at(-1)?.stage === stage ? [...log.slice(0, -1), { stage, text }] : [...log, { stage, text }];
 }
