@@ -10,14 +10,12 @@ import numpy.typing as npt
 
 from app.targets.layout import DOT_COUNT
 from app.vision.homography import local_px_per_u
-from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, COEFFICIENTS, measure_power, sort_coefficients
-from app.vision.kernels.projection import solve_plates
+from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, COEFFICIENTS
+from app.vision.kernels.fitting import fit_plates
 from app.vision.patches import Patches, Pyramid, take_patches
-from app.vision.template import PAPER_RIDGE, PATCH_REACH_U, PatchGrid, plate_template
+from app.vision.template import PAPER_RIDGE, PATCH_REACH_U, PatchGrid, shelf_with
 
 Array = npt.NDArray[np.float64]
-
-PER_U = np.array([1.0, 1.0 / PATCH_REACH_U, 1.0 / PATCH_REACH_U] * 2)  # of the planes' columns
 
 
 @dataclass(frozen=True)
@@ -117,25 +115,21 @@ def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
         Standard deviation of the blur in the photograph's own pixels.
     """
     plates, _, count = patches.samples.shape
-    right, solved = np.empty((2, plates, CHANNELS, COEFFICIENTS))
-    cofactors = np.empty((plates, DOT_COUNT, 2, 2))
-    levels = patches.levels(blur_px)
-    for level in np.unique(levels):
-        chosen = np.flatnonzero(levels == level)
-        template = plate_template(patches.grid, int(level))
-        solve_plates(patches.samples, chosen, template.parts, (right, solved, cofactors))
-    rms = np.empty((plates, 2))
-    measure_power(patches.samples, right, solved, PAPER_RIDGE * count, rms)
     amplitudes, slopes = np.empty((plates, DOT_COUNT, CHANNELS)), np.empty((plates, DOT_COUNT, 2, CHANNELS))
-    sort_coefficients(solved, amplitudes, slopes)
+    planes, cofactors = np.empty((plates, CHANNELS, COEFFICIENTS - BACKGROUND)), np.empty((plates, DOT_COUNT, 2, 2))
+    residual_rms, spread_rms = np.empty((2, plates))
+    levels = patches.levels(blur_px)
+    written = (amplitudes, slopes, planes, residual_rms, spread_rms, cofactors)
+    shelf = shelf_with(patches.grid, levels)
+    fit_plates(patches.samples, levels, shelf.parts, (PAPER_RIDGE * count, PATCH_REACH_U), written)
     return PlateFits(
         image_from_plate=patches.image_from_plate,
         px_per_u=patches.px_per_u,
         amplitudes=amplitudes,
         slopes=slopes,
-        background=solved[:, :, BACKGROUND],
-        residual_rms=rms[:, 0],
-        spread_rms=rms[:, 1],
+        background=planes[:, :, 0],
+        residual_rms=residual_rms,
+        spread_rms=spread_rms,
         offset_cofactors=cofactors,
-        planes=solved[:, :, BACKGROUND:] * PER_U,
+        planes=planes,
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from scipy.special import erf, ive
 from app.targets.layout import DOT_COUNT, DOT_RADIUS_U, PLATE_SIDE_U
 from app.vision.homography import PLATE_DOTS_U
 from app.vision.kernels.coefficients import BACKGROUND, COEFFICIENTS, PAPER, PER_DOT
+from app.vision.kernels.projection import WINDOW_STEP, whole_steps
 
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
@@ -29,7 +30,6 @@ BLUR_LEVELS = (3, 30)
 
 # A dot is looked at as far as its edge and so many standard deviations of blur, where 1e-4 of it is left.
 WINDOW_BLURS = 4.0
-REGISTER = 8  # numbers of 32 bits
 
 PAPER_RIDGE = 1e-3  # the paper enters a patch by blur alone; without blur its columns vanish
 
@@ -85,22 +85,16 @@ class PlateTemplate:
     cofactors: Array
     offset_cofactors: Array
 
-    @cached_property
-    def parts(self) -> tuple[Array32, npt.NDArray[np.int64], Array32, Array, Array]:
-        """All fields in their order, as compiled loops take them."""
-        return self.weights, self.windows, self.planes, self.cofactors, self.offset_cofactors
-
 
 def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
     """The template's level nearest to a blur in u."""
     return np.clip(np.rint(blur_u / BLUR_STEP_U), *BLUR_LEVELS).astype(np.int64)
 
 
-@cache
 def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:
-    """The template for a blur of ``level * BLUR_STEP_U`` (standard deviation, u); there are at most 84 of them."""
+    """The template for a blur of ``level * BLUR_STEP_U`` (standard deviation, u)."""
     design, windows = plate_design(grid, level), _windows(grid, level)
-    weights = np.zeros((DOT_COUNT, PER_DOT, _whole_registers(int(windows[0, 1:].prod()))), dtype=np.float32)
+    weights = np.zeros((DOT_COUNT, PER_DOT, whole_steps(int(windows[0, 1:].prod()))), dtype=np.float32)
     for dot, seen in enumerate(_seen_through(windows, grid)):
         weights[dot, :, : len(seen)] = design[seen, PER_DOT * dot : PER_DOT * (dot + 1)].T
     ridge = PAPER_RIDGE * len(design)
@@ -109,6 +103,60 @@ def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:
     offset_cofactors = cofactors[first + np.arange(2)[:, None], first + np.arange(2)]
     planes = np.ascontiguousarray(design[:, BACKGROUND:].T, dtype=np.float32)
     return PlateTemplate(weights, windows, planes, cofactors, offset_cofactors)
+
+
+@dataclass(frozen=True)
+class TemplateShelf:
+    """The templates of one grid side by side, so that one call of a compiled loop fits plates of any blur.
+
+    Attributes
+    ----------
+    grid : PatchGrid
+    made : ndarray of shape (L,), bool
+        Which levels stand on it; a level is made when it is first asked for.
+    parts : tuple of ndarray
+        The fields of ``PlateTemplate`` by level, in their order; a level's weights one after the other, as many as it
+        has. What was never written takes no memory.
+    """
+
+    grid: PatchGrid
+    made: npt.NDArray[np.bool_]
+    parts: tuple[Array32, npt.NDArray[np.int64], Array32, Array, Array]
+
+    @classmethod
+    def empty(cls, grid: PatchGrid) -> TemplateShelf:
+        """With room for all levels."""
+        levels, samples = BLUR_LEVELS[1] + 1, grid.value**2
+        rows, columns = _windows(grid, BLUR_LEVELS[1])[0, 1:]
+        parts = (
+            np.zeros((levels, DOT_COUNT * PER_DOT * whole_steps(int(rows * columns))), dtype=np.float32),
+            np.zeros((levels, DOT_COUNT, 3), dtype=np.int64),
+            np.zeros((levels, COEFFICIENTS - BACKGROUND, samples), dtype=np.float32),
+            np.zeros((levels, COEFFICIENTS, COEFFICIENTS)),
+            np.zeros((levels, DOT_COUNT, 2, 2)),
+        )
+        return cls(grid, np.zeros(levels, dtype=np.bool_), parts)
+
+    def put(self, level: int) -> None:
+        """Make a level's template."""
+        template, (weights, windows, planes, cofactors, offset_cofactors) = plate_template(self.grid, level), self.parts
+        weights[level, : template.weights.size] = template.weights.ravel()
+        windows[level], planes[level] = template.windows, template.planes
+        cofactors[level], offset_cofactors[level] = template.cofactors, template.offset_cofactors
+        self.made[level] = True
+
+
+@cache
+def _shelf_of(grid: PatchGrid) -> TemplateShelf:
+    return TemplateShelf.empty(grid)
+
+
+def shelf_with(grid: PatchGrid, levels: npt.NDArray[np.int64]) -> TemplateShelf:
+    """The grid's templates, of which those of some levels are sure to be made."""
+    shelf = _shelf_of(grid)
+    for level in set(levels[~shelf.made[levels]].tolist()):
+        shelf.put(level)
+    return shelf
 
 
 def plate_design(grid: PatchGrid, level: int) -> Array:
@@ -132,9 +180,10 @@ def _windows(grid: PatchGrid, level: int) -> npt.NDArray[np.int64]:
     step_u = axis_u[1] - axis_u[0]
     reach_u = DOT_RADIUS_U + WINDOW_BLURS * level * BLUR_STEP_U
     side = min(int(2.0 * reach_u / step_u) + 1, grid.value)
-    nearest = np.rint((PLATE_DOTS_U - axis_u[0]) / step_u - 0.5 * (side - 1))
-    column, row = np.clip(nearest, 0, grid.value - side).astype(np.int64).T
-    return np.column_stack([row * grid.value + column, np.full((DOT_COUNT, 2), side)])
+    size = np.array([-(-side // WINDOW_STEP) * WINDOW_STEP, side])
+    nearest = np.rint((PLATE_DOTS_U - axis_u[0]) / step_u - 0.5 * (size - 1))
+    column, row = np.clip(nearest, 0, grid.value - size).astype(np.int64).T
+    return np.column_stack([row * grid.value + column, np.tile(size[::-1], (DOT_COUNT, 1))])
 
 
 def _seen_through(windows: npt.NDArray[np.int64], grid: PatchGrid) -> npt.NDArray[np.int64]:
@@ -143,11 +192,6 @@ def _seen_through(windows: npt.NDArray[np.int64], grid: PatchGrid) -> npt.NDArra
     inside = rows[:, None] * grid.value + columns
     result: npt.NDArray[np.int64] = windows[:, :1] + inside.reshape(1, -1)
     return result
-
-
-def _whole_registers(count: int) -> int:
-    """Rounded up to what vector registers hold, so that no sample is left to be added alone."""
-    return -(-count // REGISTER) * REGISTER
 
 
 def blurred_disc(radius_u: Array, blur_u: float) -> tuple[Array, Array]:

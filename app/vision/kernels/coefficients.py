@@ -1,4 +1,4 @@
-"""Coefficients of fitted plates sorted into dots, background and what the fit leaves."""
+"""A plate's coefficients, from the right-hand sides of its normal equations, and what they leave unexplained."""
 
 from __future__ import annotations
 
@@ -18,14 +18,28 @@ PAPER = BACKGROUND + 3
 COEFFICIENTS = PAPER + 3
 
 
-@compiled("void(float32[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64, float64[:, ::1])")
-def measure_power(samples: Array32, right: Array, solved: Array, ridge: float, rms: Array) -> None:
-    """Root mean square of what a fit leaves, and of the samples about their means; shape (P, 2), written.
+@compiled("void(float64[:, ::1], float64[:, ::1], float64[:, ::1])")
+def solve_plate(right: Array, cofactors: Array, solved: Array) -> None:
+    """``right @ cofactors``, cofactors being symmetric."""
+    blue, green, red = right[0], right[1], right[2]
+    for coefficient in range(COEFFICIENTS):
+        line = cofactors[coefficient]
+        by_blue, by_green, by_red = 0.0, 0.0, 0.0
+        for other in range(COEFFICIENTS):
+            by_blue += blue[other] * line[other]
+            by_green += green[other] * line[other]
+            by_red += red[other] * line[other]
+        solved[0, coefficient], solved[1, coefficient], solved[2, coefficient] = by_blue, by_green, by_red
+
+
+@compiled("UniTuple(float64, 2)(float32[:, ::1], float64[:, ::1], float64[:, ::1], float64)")
+def unexplained(samples: Array32, right: Array, solved: Array, ridge: float) -> tuple[float, float]:
+    """Root mean square of what a fit leaves, and of the samples about their means.
 
     Parameters
     ----------
-    samples : ndarray of shape (P, 3, S), float32
-    right, solved : ndarray of shape (P, 3, 54)
+    samples : ndarray of shape (3, S), float32
+    right, solved : ndarray of shape (3, 54)
         Right-hand sides and solutions of the normal equations.
     ridge : float
         On the diagonal of the paper's coefficients.
@@ -34,32 +48,33 @@ def measure_power(samples: Array32, right: Array, solved: Array, ridge: float, r
     -----
     With N x + R x = b the fit explains 2 b x - x N x = b x + x R x; no residual is formed.
     """
-    plates, _, count = samples.shape
-    for plate in range(plates):
-        power, explained, steady = 0.0, 0.0, 0.0
-        for channel in range(CHANNELS):
-            line, b, x = samples[plate, channel], right[plate, channel], solved[plate, channel]
-            squares = np.float32(0.0)
-            for sample in range(count):
-                squares += line[sample] * line[sample]
-            power += float(squares)
-            for coefficient in range(COEFFICIENTS):
-                explained += b[coefficient] * x[coefficient]
-            for coefficient in range(PAPER, COEFFICIENTS):
-                explained += ridge * x[coefficient] * x[coefficient]
-            # The background's constant column is 1 everywhere, so its product is the sum of the samples.
-            steady += b[BACKGROUND] * b[BACKGROUND] / count
-        rms[plate, 0] = np.sqrt(max(power - explained, 0.0) / (CHANNELS * count))
-        rms[plate, 1] = np.sqrt(max(power - steady, 0.0) / (CHANNELS * count))
+    count = samples.shape[1]
+    power, explained, steady = 0.0, 0.0, 0.0
+    for channel in range(CHANNELS):
+        line, b, x = samples[channel], right[channel], solved[channel]
+        squares = np.float32(0.0)
+        for sample in range(count):
+            squares += line[sample] * line[sample]
+        power += float(squares)
+        for coefficient in range(COEFFICIENTS):
+            explained += b[coefficient] * x[coefficient]
+        for coefficient in range(PAPER, COEFFICIENTS):
+            explained += ridge * x[coefficient] * x[coefficient]
+        # The background's constant column is 1 everywhere, so its product is the sum of the samples.
+        steady += b[BACKGROUND] * b[BACKGROUND] / count
+    all_samples = CHANNELS * count
+    return np.sqrt(max(power - explained, 0.0) / all_samples), np.sqrt(max(power - steady, 0.0) / all_samples)
 
 
-@compiled("void(float64[:, :, ::1], float64[:, :, ::1], float64[:, :, :, ::1])")
-def sort_coefficients(solved: Array, amplitudes: Array, slopes: Array) -> None:
-    """Solutions, shape (P, 3, 54), to amplitudes (P, 16, 3) and slopes (P, 16, 2, 3), written; channels last."""
-    for plate in range(len(solved)):
-        for channel in range(CHANNELS):
-            line = solved[plate, channel]
-            for dot in range(DOT_COUNT):
-                amplitudes[plate, dot, channel] = line[PER_DOT * dot]
-                slopes[plate, dot, 0, channel] = line[PER_DOT * dot + 1]
-                slopes[plate, dot, 1, channel] = line[PER_DOT * dot + 2]
+@compiled("void(float64[:, ::1], float64, float64[:, ::1], float64[:, :, ::1], float64[:, ::1])")
+def sort_coefficients(solved: Array, reach_u: float, amplitudes: Array, slopes: Array, planes: Array) -> None:
+    """A solution, shape (3, 54), to amplitudes (16, 3), slopes (16, 2, 3), channels last, and planes (3, 6), per u."""
+    for channel in range(CHANNELS):
+        line = solved[channel]
+        for dot in range(DOT_COUNT):
+            amplitudes[dot, channel] = line[PER_DOT * dot]
+            slopes[dot, 0, channel] = line[PER_DOT * dot + 1]
+            slopes[dot, 1, channel] = line[PER_DOT * dot + 2]
+        for place in range(COEFFICIENTS - BACKGROUND):
+            steady = place % 3 == 0  # the first of a plane's three; the others are per reach
+            planes[channel, place] = line[BACKGROUND + place] if steady else line[BACKGROUND + place] / reach_u

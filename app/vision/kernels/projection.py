@@ -1,4 +1,4 @@
-"""Plates solved under one template: samples to normal equations, normal equations to coefficients.
+"""A plate's samples to the right-hand sides of its normal equations.
 
 A dot and its derivatives are seen in a window around it, the background and the paper everywhere. All three channels
 of a window are weighted in one loop of a length that fills whole vector registers.
@@ -11,24 +11,46 @@ import numpy.typing as npt
 
 from app.compiled import compiled
 from app.targets.layout import DOT_COUNT
-from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, COEFFICIENTS, PER_DOT
+from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, PER_DOT
 
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.int64]
 
+TEMPLATE = "Tuple((float32[:, ::1], int64[:, :, ::1], float32[:, :, ::1], float64[:, :, ::1], float64[:, :, :, ::1]))"
 Template = tuple[Array32, Indices, Array32, Array, Array]
 
+WINDOW_STEP = 8  # columns: windows have a multiple of them, and are cut out so many at once
+LOOP_STEP = 32  # samples: two registers of 16, which the compiler takes at once; a rest would be added one by one
 
-@compiled("void(float32[:, ::1], int64, int64[::1], float32[:, ::1])")
-def _cut(samples: Array32, row_length: int, window: Indices, parts: Array32) -> None:
-    """The samples of a window, channel by channel; what ``parts`` holds behind them keeps its weight of zero."""
+
+@compiled("int64(int64)")
+def whole_steps(count: int) -> int:
+    """Rounded up to what loops take at once."""
+    return -(-count // LOOP_STEP) * LOOP_STEP
+
+
+@compiled("UniTuple(float32, 8)(float32[::1], uint64)")
+def _eight_at(line: Array32, at: np.uint64) -> tuple[np.float32, ...]:
+    """Eight samples at once: taken before any is put away, they are one load of the processor's."""
+    a, b, c, d = line[at], line[at + np.uint64(1)], line[at + np.uint64(2)], line[at + np.uint64(3)]
+    at += np.uint64(4)
+    e, f, g, h = line[at], line[at + np.uint64(1)], line[at + np.uint64(2)], line[at + np.uint64(3)]
+    return a, b, c, d, e, f, g, h
+
+
+@compiled("void(float32[::1], int64, int64[::1], float32[::1])")
+def _cut(samples: Array32, row_length: int, window: Indices, part: Array32) -> None:
+    """The samples of a window; what ``part`` holds behind them has no weight."""
     first, rows, columns = window
-    for channel in range(CHANNELS):
-        for row in range(rows):
-            line, part = samples[channel, first + row * row_length :], parts[channel, row * columns :]
-            for column in range(columns):
-                part[column] = line[column]
+    put = np.uint64(0)
+    for row in range(rows):
+        at = np.uint64(first + row * row_length)
+        for _ in range(columns // WINDOW_STEP):
+            values = _eight_at(samples, at)
+            for place in range(WINDOW_STEP):
+                part[put + np.uint64(place)] = values[place]
+            at, put = at + np.uint64(WINDOW_STEP), put + np.uint64(WINDOW_STEP)
 
 
 @compiled("void(float32[:, ::1], float32[:, ::1], int64, float64[:, ::1])")
@@ -70,46 +92,26 @@ def _project_planes(line: Array32, planes: Array32, right: Array) -> None:
     right[0], right[1], right[2], right[3], right[4], right[5] = one, two, three, four, five, six
 
 
-@compiled("void(float64[:, ::1], float64[:, ::1], float64[:, ::1])")
-def _solve(right: Array, cofactors: Array, solved: Array) -> None:
-    """``right @ cofactors``, cofactors being symmetric."""
-    blue, green, red = right[0], right[1], right[2]
-    for coefficient in range(COEFFICIENTS):
-        line = cofactors[coefficient]
-        by_blue, by_green, by_red = 0.0, 0.0, 0.0
-        for other in range(COEFFICIENTS):
-            by_blue += blue[other] * line[other]
-            by_green += green[other] * line[other]
-            by_red += red[other] * line[other]
-        solved[0, coefficient], solved[1, coefficient], solved[2, coefficient] = by_blue, by_green, by_red
-
-
-@compiled(
-    "void(float32[:, :, ::1], int64[::1], Tuple((float32[:, :, ::1], int64[:, ::1], float32[:, ::1], "
-    "float64[:, ::1], float64[:, :, ::1])), Tuple((float64[:, :, ::1], float64[:, :, ::1], float64[:, :, :, ::1])))"
-)
-def solve_plates(samples: Array32, plates: Indices, template: Template, solution: tuple[Array, Array, Array]) -> None:
-    """Coefficients of some plates under one template.
+@compiled(f"void(float32[:, ::1], {TEMPLATE}, int64, float32[:, ::1], float64[:, ::1])")
+def project_plate(samples: Array32, template: Template, level: int, parts: Array32, right: Array) -> None:
+    """Right-hand sides of one plate's normal equations, shape (3, 54), written.
 
     Parameters
     ----------
-    samples : ndarray of shape (P, 3, S), float32
-    plates : ndarray of shape (M,)
-        Indices of the plates to be solved.
+    samples : ndarray of shape (3, S), float32
     template : tuple of ndarray
-        The fields of ``PlateTemplate``, in their order.
-    solution : tuple of ndarray, written
-        Right-hand sides and solutions of the normal equations (P, 3, 54), cofactors of the slopes (P, 16, 2, 2).
+        The fields of ``TemplateShelf``, in their order.
+    level : int
+        Which of its templates.
+    parts : ndarray of shape (3, W), float32
+        Room for a window.
     """
-    weights, windows, planes, cofactors, offset_cofactors = template
-    right, solved, plate_cofactors = solution
-    parts = np.zeros((CHANNELS, weights.shape[2]), dtype=np.float32)
-    row_length = int(np.sqrt(planes.shape[1]))
-    for plate in plates:
-        for dot in range(DOT_COUNT):
-            _cut(samples[plate], row_length, windows[dot], parts)
-            _project_dot(parts, weights[dot], PER_DOT * dot, right[plate])
+    weights, windows, planes = template[0][level], template[1][level], template[2][level]
+    row_length, length = int(np.sqrt(samples.shape[1])), whole_steps(windows[0, 1] * windows[0, 2])
+    for dot in range(DOT_COUNT):
+        of_dot = weights[PER_DOT * length * dot : PER_DOT * length * (dot + 1)].reshape(PER_DOT, length)
         for channel in range(CHANNELS):
-            _project_planes(samples[plate, channel], planes, right[plate, channel, BACKGROUND:])
-        _solve(right[plate], cofactors, solved[plate])
-        plate_cofactors[plate] = offset_cofactors
+            _cut(samples[channel], row_length, windows[dot], parts[channel])
+        _project_dot(parts, of_dot, PER_DOT * dot, right)
+    for channel in range(CHANNELS):
+        _project_planes(samples[channel], planes, right[channel, BACKGROUND:])
