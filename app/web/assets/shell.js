@@ -1,5 +1,5 @@
 // The frame around every page: where one is, who one is, what went wrong.
-import { html, useEffect, useState } from "./core/html.js";
+import { html, useEffect, useRef, useState } from "./core/html.js";
 import { match } from "./core/router.js";
 import { leave, may, whoAmI } from "./core/session.js";
 import { routes, siteTabs } from "./routes.js";
@@ -38,7 +38,7 @@ export function Shell({ linkError }) {
 function Top({ found, who, onLeave }) {
   const shown = TOPS.filter((item) => !item.scopes || (who && may(who, ...item.scopes)));
   return html`<header class="top">
-    <a class="brand" href="#/"><img src="/assets/icon.svg" alt="" />Scattermark</a>
+    <a class="brand" href="#/" aria-label="Scattermark"><img src="/assets/icon.svg" alt="" /><span>Scattermark</span></a>
     <nav aria-label="Main">${shown.map((item) => html`<a href=${item.href} aria-current=${found?.route.top === item.top ? "page" : null}>${item.label}</a>`)}</nav>
     <div class="end"><a class="small" href="/docs">Calls</a><${Theme} />${who?.key_id && html`<span class="small muted">${who.name}</span><${Button} kind="plain" onClick=${onLeave}>Sign out</${Button}>`}</div>
   </header>`;
@@ -74,5 +74,7 @@ function Page({ found, who }) {
 
 function SiteTabs({ site, tab, who }) {
   const shown = siteTabs.filter((item) => !item.scopes || may(who, ...item.scopes));
-  return html`<nav class="tabs" aria-label="Site">${shown.map((item) => html`<a href=${`#/sites/${site}${item.tab && `/${item.tab}`}`} aria-current=${item.tab === tab ? "page" : null}>${item.label}</a>`)}</nav>`;
+  const row = useRef(null);
+  useEffect(() => row.current.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest", inline: "center" }), [tab]); // the row slides on phones
+  return html`<nav class="tabs" aria-label="Site" ref=${row}>${shown.map((item) => html`<a href=${`#/sites/${site}${item.tab && `/${item.tab}`}`} aria-current=${item.tab === tab ? "page" : null}>${item.label}</a>`)}</nav>`;
 }

@@ -1,9 +1,10 @@
 // The phone: where am I? Pictures of the live camera or of its camera app, located at once or as soon as there is a network.
 import { useAction } from "../core/hooks.js";
 import { html, useMemo, useState } from "../core/html.js";
+import { may } from "../core/session.js";
 import { Answer } from "../phone/answer.js";
 import { useClock } from "../phone/clock.js";
-import { Bar, Photographs, RunCard } from "../phone/controls.js";
+import { Bar, Photographs, RunCard, useWish } from "../phone/controls.js";
 import { deviceId, renameDevice } from "../phone/device.js";
 import { momentOfFile } from "../phone/exif.js";
 import { HerePlan } from "../phone/here_plan.js";
@@ -19,20 +20,21 @@ import { useQueue } from "../phone/use_queue.js";
 import { useWakeLock } from "../phone/wake_lock.js";
 import { Failure, Loaded, Notice } from "../ui/parts.js";
 
-export default function Phone({ site }) {
+export default function Phone({ site, who }) {
   const [device_id, setDevice] = useState(deviceId);
   const room = useRoom(site, device_id);
   const rename = (name) => { if (name) { renameDevice(name); setDevice(name); } };
-  return html`<${Loaded} of=${room}>${(found) => html`<${Locating} room=${found} device=${{ id: device_id, rename }} />`}</${Loaded}>`;
+  return html`<${Loaded} of=${room}>${(found) => html`<${Locating} room=${found} device=${{ id: device_id, rename }} who=${who} />`}</${Loaded}>`;
 }
 
-function Locating({ room, device }) {
+function Locating({ room, device, who }) {
   const { site_id } = room.site;
   const clock = useClock();
   const queue = useQueue(site_id, clock.current);
   const eye = useEye(site_id, room.cameras);
   const taking = useTaking({ site_id, device_id: device.id, clock, queue, eye });
   const run = useRun(site_id, queue.add, taking.frame.run);
+  const wish = useWish();
   const keptPages = useKeptPages();
   useWakeLock(eye.ready);
   const { newest, answers } = useShown(queue.results, run.run?.trajectory_id);
@@ -41,17 +43,18 @@ function Locating({ room, device }) {
   return html`<h1 class="visually-hidden">Phone in ${room.site.name}</h1>
     ${room.old && html`<${Notice} kind="warn"><p>No network: pictures wait on this phone and are sent later, each with its own time.</p></${Notice}>`}
     ${!room.site.map_version && html`<${Notice} kind="warn"><p>This site has no target map yet: nothing can be located before its survey is built.</p></${Notice}>`}
-    <div class="phone">
+    <div class="phone"><div class="phone-column">
       <${Preview} camera=${eye.camera} video=${eye.video} size=${eye.size} onSize=${eye.setSize} />
+      <section class="phone-plan" aria-label="Plan"><${HerePlan} room=${room} answers=${answers} /></section>
+    </div><div class="phone-column">
       <${Answer} result=${newest} site=${site_id} waiting=${queue.tasks.length > 0 && queue.standing.state === "sending"} />
-      <div class="phone-failures"><${Failure} error=${taking.once.error ?? taking.frame.error ?? taking.files.error} /></div>
-      <${Bar} ready=${eye.ready} locating=${taking.once.busy} run=${run} counts=${counts} onLocate=${taking.once.run} />
-      <section class="card phone-plan" aria-label="Plan"><${HerePlan} room=${room} answers=${answers} /></section>
-      <${RunCard} run=${run} ready=${eye.ready} counts=${counts} device_id=${device.id} />
+      <${Failure} error=${taking.once.error ?? taking.frame.error ?? taking.files.error} />
+      <${Bar} ready=${eye.ready} taking=${taking.once} run=${run} counts=${counts} onRun=${() => run.start({ ...wish.told(), device_id: device.id })} />
+      <${RunCard} run=${run.run} skipped=${run.skipped} wish=${wish} analyst=${may(who, "analyse")} />
       <${QueuePanel} queue=${queue} />
       <${Photographs} onFiles=${taking.files.run} />
       <${Settings} camera=${eye.camera} record=${record} photo=${eye.photo} device=${device} reading=${clock.reading} keptPages=${keptPages} />
-    </div>`;
+    </div></div>`;
 }
 
 /** Pictures into the queue: one of the live camera, one of a run, files of the camera app. */

@@ -1,5 +1,5 @@
 // The answer to the newest picture: large enough to read at arm's length, and said aloud to those who do not see it.
-import { degrees, metres, mm, number, pixels, plural } from "../core/format.js";
+import { degrees, mm, number, pixels, plural } from "../core/format.js";
 import { html } from "../core/html.js";
 import { Busy } from "../ui/parts.js";
 import { poseOf } from "../trajectories/poses.js";
@@ -21,11 +21,11 @@ export function Answer({ result, site, waiting }) {
 function Position({ answer }) {
   const pose = poseOf(answer);
   const used = answer.targets.filter((target) => target.used).length;
-  return html`<dl class="phone-position">${AXES.map((axis, index) => html`<div><dt>${axis}</dt><dd><b>${metres(pose.position_m[index], 3)}</b><span>± ${mm(pose.sigma_m[index])}</span></dd></div>`)}</dl>
+  return html`<dl class="phone-position">${AXES.map((axis, index) => html`<div><dt>${axis}, m</dt><dd><b>${number(pose.position_m[index], 3)}</b><span>± ${mm(pose.sigma_m[index])}</span></dd></div>`)}</dl>
     <p class="phone-facts"><span>Heading <b>${degrees(inDegrees(pose.heading_rad), 1)}</b>${pose.heading_sigma_rad !== null && html` <span class="muted">± ${degrees(inDegrees(pose.heading_sigma_rad))}</span>`}</span>
       <span><b>${used}</b> of ${plural(answer.targets.length, "target")}</span>
       <span>residuals <b>${pixels(answer.rms_residual_px)}</b></span><span>σ₀ <b>${number(answer.sigma0)}</b></span></p>
-    <p class="small muted">${CLOCK.format(new Date(answer.captured_at))} · camera ${CAMERA_SOURCES[answer.camera_source]} · map version ${answer.map_version}</p>`;
+    <p class="small muted">${CLOCK.format(new Date(answer.captured_at))} · camera: ${CAMERA_SOURCES[answer.camera_source]} · map version ${answer.map_version}</p>`;
 }
 
 const CAMERA_SOURCES = {

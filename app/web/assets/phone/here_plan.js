@@ -1,5 +1,5 @@
 // The plan of the site with where one is: a dot, its 95 % ellipse, where the camera looks, the way so far.
-import { html, useMemo } from "../core/html.js";
+import { html, useMemo, useRef } from "../core/html.js";
 import { drawTargets } from "../plan/draw.js";
 import { Plan } from "../plan/plan.js";
 import { drawDots, drawWay } from "../plan/track.js";
@@ -13,11 +13,11 @@ const DOT_PX = 6;
 const LOOK_PX = 46; // how far the sector of the view reaches
 const HALF_VIEW_RAD = 0.45; // as wide as most phones see
 const LEAST_ELLIPSE_PX = 14; // of its longer half: millimetres are smaller than a pixel of a plan, so ellipses are enlarged
-const NOTE_PX = { font: "12px system-ui, sans-serif", left: 56, top: 34 };
 
 /** @param {object[]} answers of pictures that were located, oldest first; the last is where one is */
 export function HerePlan({ room, answers }) {
   const pointer = useShared();
+  const note = useRef(null); // how much the ellipse is enlarged rests on the view
   const poses = useMemo(() => answers.map(poseOf), [answers]);
   const points = useMemo(() => poses.map((pose) => pose.position_m), [poses]);
   const bounds = useMemo(() => boundsOf([...points, ...room.targets.map((target) => target.position_m)]), [points, room]);
@@ -29,11 +29,13 @@ export function HerePlan({ room, answers }) {
     drawDots(context, view, points.slice(0, -1), () => 0, [colour("series-4")]);
     if (!here) return;
     drawLook(context, view, here);
-    drawEllipse(context, view, here, answer.covariance);
+    const enlarged = drawEllipse(context, view, here, ellipseOf(answer.covariance));
+    note.current.textContent = `95 % ellipse${enlarged > 1 ? `, ${enlarged.toLocaleString("en")} times enlarged` : ""}; the sector shows where the camera looks.`;
     drawDots(context, view, [here.position_m], () => 0, [colour("accent")], DOT_PX);
   };
   const label = here ? `Plan: the position is x ${here.position_m[0].toFixed(2)}, y ${here.position_m[1].toFixed(2)} m` : "Plan of the site's targets";
-  return html`<${Plan} label=${label} bounds=${bounds} draw=${draw} keys=${[answers, room]} points=${points} pointer=${pointer} />`;
+  return html`<${Plan} label=${label} bounds=${bounds} draw=${draw} keys=${[answers, room]} points=${points} pointer=${pointer} />
+    <p class="small muted phone-note" ref=${note}></p>`;
 }
 
 /** A sector towards what the camera sees. */
@@ -54,9 +56,9 @@ function drawLook(context, view, { position_m, heading_rad }) {
   context.restore();
 }
 
-function drawEllipse(context, view, { position_m }, covariance) {
+/** @returns {number} how many times it is enlarged */
+function drawEllipse(context, view, { position_m }, { major_m, minor_m, turn_rad }) {
   const [toX, toY] = pixelsOf(view);
-  const { major_m, minor_m, turn_rad } = ellipseOf(covariance);
   const enlarged = enlargement(major_m * view.scale_px_m);
   const scale = enlarged * view.scale_px_m;
   context.strokeStyle = colour("accent");
@@ -64,11 +66,7 @@ function drawEllipse(context, view, { position_m }, covariance) {
   context.beginPath();
   context.ellipse(toX(position_m[0]), toY(position_m[1]), major_m * scale, minor_m * scale, -turn_rad, 0, 2 * Math.PI);
   context.stroke();
-  context.font = NOTE_PX.font;
-  context.fillStyle = colour("ink");
-  context.textAlign = "left";
-  context.textBaseline = "middle";
-  context.fillText(`95 % ellipse${enlarged > 1 ? `, ${enlarged.toLocaleString("en")} times enlarged` : ""}`, NOTE_PX.left, NOTE_PX.top);
+  return enlarged;
 }
 
 /** The round number of times that makes a length of so many pixels large enough to see. */

@@ -2,37 +2,34 @@
 
 const QUALITY = 0.95; // of JPEG: dots are measured to hundredths of a pixel
 const BROWSERS_DELAY_S = 0.05; // between a frame and its showing, where the browser does not tell: a frame or two of most cameras
+const PATIENCE_MS = 5000; // a camera that films gives the next frame long before
 
 /** @typedef {{blob: Blob, width_px: number, height_px: number, captured_ms: number, spread_s: number}} Picture `captured_ms` by the phone's clock, wrong by `spread_s` at most */
 
-/**
- * Follow the frames of a video, so that each is known with the moment of its capture.
- * @returns {{moment: () => {captured_ms: number, spread_s: number}, end: () => void}}
- */
-export function followFrames(video) {
-  let [handle, captured_ms] = [0, null];
-  const note = (_now, { captureTime }) => {
-    captured_ms = captureTime === undefined ? null : wall_ms(captureTime);
-    handle = video.requestVideoFrameCallback(note);
-  };
-  if (video.requestVideoFrameCallback) handle = video.requestVideoFrameCallback(note);
-  return {
-    moment: () => (captured_ms === null ? { captured_ms: Date.now() - 500 * BROWSERS_DELAY_S, spread_s: BROWSERS_DELAY_S / 2 } : { captured_ms, spread_s: 0 }),
-    end: () => video.cancelVideoFrameCallback?.(handle),
-  };
+/** The next frame that is shown, in all its pixels: each is given once. @returns {Promise<Picture>} */
+export async function frameOf(video) {
+  const canvas = Object.assign(document.createElement("canvas"), { width: video.videoWidth, height: video.videoHeight });
+  const moment = await withNextFrame(video, () => canvas.getContext("2d").drawImage(video, 0, 0));
+  const blob = await new Promise((resolve) => canvas.toBlob(resolve, "image/jpeg", QUALITY));
+  return { blob, width_px: canvas.width, height_px: canvas.height, ...moment };
+}
+
+/** Look at the next frame while it is the one that is shown, and tell when it was captured: a moment later it may be another. */
+function withNextFrame(video, look) {
+  const shown = () => ({ captured_ms: Date.now() - 500 * BROWSERS_DELAY_S, spread_s: BROWSERS_DELAY_S / 2 });
+  if (!video.requestVideoFrameCallback) { look(); return Promise.resolve(shown()); }
+  return new Promise((resolve, reject) => {
+    const timer = setTimeout(() => { video.cancelVideoFrameCallback(handle); reject(new Error("the camera gave no picture; try again")); }, PATIENCE_MS);
+    const handle = video.requestVideoFrameCallback((_now, { captureTime }) => {
+      clearTimeout(timer);
+      look();
+      resolve(captureTime === undefined ? shown() : { captured_ms: wall_ms(captureTime), spread_s: 0 });
+    });
+  });
 }
 
 /** The phone's clock at a time of the page's. */
 const wall_ms = (page_ms) => Date.now() - (performance.now() - page_ms);
-
-/** @returns {Promise<Picture>} the frame that is shown, in all its pixels */
-export async function frameOf(video, frames) {
-  const canvas = Object.assign(document.createElement("canvas"), { width: video.videoWidth, height: video.videoHeight });
-  canvas.getContext("2d").drawImage(video, 0, 0);
-  const moment = frames.moment();
-  const blob = await new Promise((resolve) => canvas.toBlob(resolve, "image/jpeg", QUALITY));
-  return { blob, width_px: canvas.width, height_px: canvas.height, ...moment };
-}
 
 /**
  * How large a photograph the camera takes when it is not filming; null when that is no larger than its stream.

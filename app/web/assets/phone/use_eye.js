@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "../core/html.js";
 import { useCamera } from "./camera.js";
 import { fits, useCameraChoice } from "./cameras.js";
-import { followFrames, frameOf, photoOf, photoSize } from "./picture.js";
+import { frameOf, photoOf, photoSize } from "./picture.js";
 
 const PHOTOGRAPHS = "scattermark:photographs";
 
@@ -13,22 +13,16 @@ const PHOTOGRAPHS = "scattermark:photographs";
 export function useEye(site_id, cameras) {
   const camera = useCamera(true);
   const video = useRef(null);
-  const frames = useRef(null);
   const [size, setSize] = useState(null);
   const [chosen, choose] = useCameraChoice(site_id, camera.lens?.label ?? "", size ? `${size.width_px}x${size.height_px}` : "");
   const photo = usePhotographs(camera.stream);
-  useEffect(() => {
-    if (!camera.stream || !video.current) return undefined;
-    frames.current = followFrames(video.current);
-    return () => frames.current.end();
-  }, [camera.stream]);
   const record = cameras.find((one) => one.camera_id === chosen);
   return {
     camera, video, size, setSize, photo, chosen, choose,
     ready: Boolean(camera.stream && size),
     /** A record that shows another cut of the sensor would be refused: then the service decides. */
     recordFor: ({ width_px, height_px }) => (record && fits(record, width_px, height_px) ? record.camera_id : null),
-    take: (once) => (once && photo?.wanted ? photoOf(camera.stream.getVideoTracks()[0], photo.size) : frameOf(video.current, frames.current)),
+    take: (once) => (once && photo?.wanted ? photoOf(camera.stream.getVideoTracks()[0], photo.size) : frameOf(video.current)),
   };
 }
 
