@@ -14,7 +14,7 @@ from tests.faults.ledger import Ledger
 
 @pytest.fixture(scope="package")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    settings = Settings(data_dir=tmp_path_factory.mktemp("faults"), locate_workers=1, build_workers=1)
+    settings = Settings(data_dir=tmp_path_factory.mktemp("faults") / "data", locate_workers=1, build_workers=1)
     with serve(settings, worker=False) as running:
         yield running
 

@@ -62,7 +62,7 @@ class Watched:
             self.faults.append(f"another host: {request.url}")
 
     def on_error(self, error: Exception) -> None:
-        self.faults.append(f"uncaught: {error}")
+        self.faults.append(f"uncaught: {getattr(error, 'stack', error)}")
 
     def watch(self, page: Page) -> None:
         page.on("console", self.on_console)
