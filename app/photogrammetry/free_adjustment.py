@@ -43,12 +43,13 @@ class Part:
 
 def held_photo(network: Network, photo: int) -> PoseEquations:
     """The equations that hold a free network in its frame by one photograph's present pose."""
-    return PoseEquations(
-        np.array([photo]),
-        network.photo_rotations[[photo]],
-        network.photo_positions_m[[photo]],
-        HELD_INFORMATION * np.eye(POSE_COUNT)[None],
-    )
+    return held_poses(network, np.array([photo]))
+
+
+def held_poses(network: Network, photos: Index) -> PoseEquations:
+    """The equations that hold some photographs at their present poses."""
+    information = np.tile(HELD_INFORMATION * np.eye(POSE_COUNT), (len(photos), 1, 1))
+    return PoseEquations(photos, network.photo_rotations[photos], network.photo_positions_m[photos], information)
 
 
 def part_problem(problem: BundleProblem, part: Part) -> BundleProblem:
@@ -75,12 +76,13 @@ def adjust_growth(growth: Growth) -> Growth:
     network = growth.network.among(part.photos, part.targets)
     problem = replace(problem, photo_poses=held_photo(network, 0))
     network = _adjusted_with_sizes(problem, network, growth)
+    return replace(with_part_adjusted(growth, part, problem, network), adjusted_photos=int(growth.oriented.sum()))
+
+
+def with_part_adjusted(growth: Growth, part: Part, problem: BundleProblem, network: Network) -> Growth:
+    """The growth with a part's adjusted poses, without what has strayed in it."""
     squared = squared_residuals(problem, network)
-    growth = replace(
-        growth,
-        network=growth.network.with_part(network, part.photos, part.targets),
-        adjusted_photos=int(growth.oriented.sum()),
-    )
+    growth = replace(growth, network=growth.network.with_part(network, part.photos, part.targets))
     return _without_strays(_with_mirrors_moved(growth, part), problem, part, squared)
 
 
@@ -135,17 +137,18 @@ def adjust_robustly(problem: BundleProblem, network: Network, capture: RobustLos
     a narrow loss lets go of just these. So what is strained is adjusted again with the wide loss ``capture`` first,
     which draws branches together, but also bends to false codes: the better of the two is taken.
     """
-    found = _narrowly(problem, network, options)
+    found = adjust_narrowly(problem, network, options)
     squared = _measured_squares(problem, found)
     narrow = RobustLoss("cauchy", options.loss_width * max(robust_scale(squared), 1.0))
     if not (squared > (options.strayed * narrow.width) ** 2).any():
         return found
-    drawn = _narrowly(problem, _adjusted_with(problem, network, capture, options), options)
+    drawn = adjust_narrowly(problem, _adjusted_with(problem, network, capture, options), options)
     better = narrow.cost(_measured_squares(problem, drawn)).sum() < narrow.cost(squared).sum()
     return drawn if better else found
 
 
-def _narrowly(problem: BundleProblem, network: Network, options: GrowthOptions) -> Network:
+def adjust_narrowly(problem: BundleProblem, network: Network, options: GrowthOptions) -> Network:
+    """The network adjusted with a loss as narrow as its residuals allow, twice."""
     for _ in range(2):
         width = options.loss_width * max(robust_scale(_measured_squares(problem, network)), 1.0)
         network = _adjusted_with(problem, network, RobustLoss("cauchy", width), options)

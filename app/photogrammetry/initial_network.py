@@ -16,6 +16,7 @@ from scipy.sparse import csr_array
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.free_adjustment import adjust_growth
 from app.photogrammetry.growth import Growth, GrowthOptions, seeded
+from app.photogrammetry.local_adjustment import adjust_locally
 from app.photogrammetry.orient_photos import orient_photos
 from app.photogrammetry.place_targets import place_targets
 from app.photogrammetry.sightings import Sightings
@@ -26,6 +27,7 @@ Mask = npt.NDArray[np.bool_]
 OnGrowth = Callable[[int], None]
 
 LEAST_WAVE_SHARE = 0.5  # of the best-informed photograph's known targets; who knows less waits for more
+ENOUGH_SURE = 4  # decided targets that leave a photograph no other pose: three stand in a row too often
 SMALLEST_NETWORK = 2  # photographs: one alone intersects nothing
 
 
@@ -86,7 +88,10 @@ def _grown(growth: Growth, free: Mask, on_growth: OnGrowth) -> Growth:
         wave = _wave(growth, free, tried_with)
         if len(wave):
             before, growth = growth.oriented, orient_photos(growth, wave)
-            growth = place_targets(growth, np.flatnonzero(growth.oriented & ~before))
+            fresh = np.flatnonzero(growth.oriented & ~before)
+            growth = place_targets(growth, fresh)
+            if growth.adjusted_photos and len(fresh):
+                growth = place_targets(adjust_locally(growth, fresh), fresh)
             on_growth(int(growth.oriented.sum()))
         elif growth.oriented.sum() > max(growth.adjusted_photos, 1):
             tried_with[:] = 0  # better cameras may orient what failed before
@@ -97,13 +102,22 @@ def _grown(growth: Growth, free: Mask, on_growth: OnGrowth) -> Growth:
 
 
 def _wave(growth: Growth, free: Mask, tried_with: npt.NDArray[np.float64]) -> Index:
-    """Photographs to orient next, ascending: those that know most targets, at most as many as stand already."""
+    """Photographs to orient next, ascending: those that know most targets, at most as many as stand already.
+
+    Who knows enough targets whose mirror image is ruled out goes before all others: what single photographs have
+    placed leans with them.
+    """
     sightings = growth.problem.sightings
-    known = np.bincount(sightings.photo, growth.placed[sightings.target], minlength=sightings.photo_count)
+    known, sure = (
+        np.bincount(sightings.photo, stands[sightings.target], minlength=sightings.photo_count)
+        for stands in (growth.placed, growth.decided)
+    )
     waiting = np.flatnonzero(free & ~growth.oriented & (known > tried_with))
     if not len(waiting):
         return waiting
-    waiting = waiting[np.argsort(-known[waiting], kind="stable")][: int(growth.oriented.sum())]
-    wave = np.sort(waiting[known[waiting] >= LEAST_WAVE_SHARE * known[waiting[0]]])
+    well_informed = waiting[sure[waiting] >= ENOUGH_SURE]
+    waiting, count = (well_informed, sure) if len(well_informed) else (waiting, known)
+    waiting = waiting[np.argsort(-count[waiting], kind="stable")][: int(growth.oriented.sum())]
+    wave = np.sort(waiting[count[waiting] >= LEAST_WAVE_SHARE * count[waiting[0]]])
     tried_with[wave] = known[wave]
     return wave
