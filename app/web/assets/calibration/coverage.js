@@ -13,7 +13,7 @@ export function Coverage({ detections, picked }) {
   const measures = measuresOf(photos);
   return html`<section class="card coverage" aria-label="What the set shows"><h2>What the set shows</h2>
     <${Frame} photos=${photos} measures=${measures} picked=${picked} />
-    <ul class="checks">${checksOf(measures).map(({ name, good, text }) => html`<li key=${name}><${Badge} kind=${good ? "good" : "warn"}>${good ? "good" : "lacking"}</${Badge}><p><b>${name}</b><br />${text}</p></li>`)}</ul></section>`;
+    <ul class="checks">${checksOf(measures).map(({ name, good, text }) => html`<li key=${name}><${Badge} kind=${good ? "good" : photos.length ? "warn" : "off"}>${good ? "good" : photos.length ? "lacking" : "wanted"}</${Badge}><p><b>${name}</b><br />${text}</p></li>`)}</ul></section>`;
 }
 
 function Frame({ photos, measures, picked }) {

@@ -78,6 +78,6 @@ function Start({ site, surveyId, count, onStart, onAgain }) {
 function Found({ site, job, onFound }) {
   useEffect(() => onFound(job), [job]);
   return html`<${Notice} kind="good"><div class="row spread"><span>The camera is known now, and snapshots of ${job.result.device_id ?? "this model"} are located with it.</span>
-      <a class="button primary" href=${`#/sites/${site.site_id}/phone?camera=${job.result.camera_id}`}>Locate with it</a></div></${Notice}>
+      <a class="button primary" href=${`#/sites/${site.site_id}/phone`}>Locate with it</a></div></${Notice}>
     <${Result} result=${job.result} />`;
 }
