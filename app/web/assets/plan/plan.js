@@ -1,5 +1,5 @@
 // A plan to look at: zoomed by wheel, pinch, keys and buttons, panned by dragging, its points inspected by pointing or by keys.
-import { html, useEffect, useRef, useState } from "../core/html.js";
+import { html, useEffect, useLayoutEffect, useRef, useState } from "../core/html.js";
 import { Button } from "../ui/parts.js";
 import { colour, useTheme } from "../ui/theme.js";
 import { drawFrame, drawScaleBar } from "./draw.js";
@@ -31,8 +31,9 @@ export function Plan({ label, bounds, draw, keys, points, pointer }) {
   };
   const look = (next, whole = false) => { view.current = next; setFits(whole); redraw(); };
   const fit = () => look(fitted(latest.current.bounds, view.current.width_px, view.current.height_px), true);
-  useEffect(() => {
-    const around = place.current; // a page that is left is told of its last change of size
+  // Ends as the plan leaves the page; other effects end a moment later, when there is nothing left to draw on.
+  useLayoutEffect(() => {
+    const around = place.current;
     const observer = new ResizeObserver(() => {
       const [width_px, height_px] = [around.clientWidth, around.clientHeight];
       if (!width_px || !height_px) return;

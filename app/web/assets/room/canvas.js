@@ -1,5 +1,5 @@
 // The canvas of the room: keeps the stage in step with what the page shows.
-import { html, useEffect, useRef } from "../core/html.js";
+import { html, useEffect, useLayoutEffect, useRef } from "../core/html.js";
 import { seenWith } from "./load.js";
 import { Stage } from "./stage.js";
 
@@ -8,12 +8,13 @@ export function Canvas({ room, poses, axes, scale, visible, view, picked, onPick
   const canvas = useRef(null);
   const pick = useRef(onPick);
   pick.current = onPick;
-  useEffect(() => {
-    const stage = new Stage(canvas.current, (item) => pick.current(item));
+  useLayoutEffect(() => {
+    const element = canvas.current;
+    const stage = new Stage(element, (item) => pick.current(item));
     stageOf.current = stage;
     const lost = (event) => { event.preventDefault(); onLost(); };
-    canvas.current.addEventListener("webglcontextlost", lost);
-    return () => { canvas.current?.removeEventListener("webglcontextlost", lost); stageOf.current = null; stage.dispose(); };
+    element.addEventListener("webglcontextlost", lost);
+    return () => { element.removeEventListener("webglcontextlost", lost); stageOf.current = null; stage.dispose(); };
   }, []);
   useEffect(() => stageOf.current.show(room), [room]);
   useEffect(() => stageOf.current.look(view), [room, view]);

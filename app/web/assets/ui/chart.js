@@ -1,6 +1,6 @@
 // uPlot as a part of pages: colours of the page, its width, one cursor and one range with its neighbours.
 import uPlot from "/vendor/uplot.min.js";
-import { html, useEffect, useRef } from "../core/html.js";
+import { html, useEffect, useLayoutEffect, useRef } from "../core/html.js";
 import { colour, useTheme } from "./theme.js";
 
 const FONT_PX = 12;
@@ -22,7 +22,7 @@ export function Chart({ label, data, make, keys = [], height_px = 160, pointer, 
   const place = useRef(null);
   const chart = useRef(null);
   const theme = useTheme();
-  useEffect(() => {
+  useLayoutEffect(() => {
     const made = new uPlot(optionsOf(make(), place.current.clientWidth, height_px, { pointer, range }), data, place.current);
     chart.current = made;
     const ends = [followWidth(made, place.current, height_px), pointer && followPointer(made, pointer), range && followRange(made, range, pointer)];
