@@ -6,7 +6,7 @@ import resource
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +26,8 @@ from app.trajectories.trajectory import Trajectory
 
 START_S, RATE_HZ = 1_760_000_000.0, 10.0
 NOISE_M = 0.05
-MEBIBYTE_OF_KIB = 1024
+KIB_PER_MIB = 1024
+USUAL = (1_000, 100_000, 1_000_000)  # poses
 
 
 def walk(count: int, noise_m: float) -> Trajectory:
@@ -45,22 +46,39 @@ def timed(name: str, work: Callable[[], str]) -> str:
     return result
 
 
-def measure(count: int, folder: Path) -> None:
-    """Import two walks and compare them, on SQLite."""
+def hall(folder: Path) -> tuple[Database, str]:
+    """A new database on SQLite with a workbench on it, and its only site."""
     url = f"sqlite:///{folder / 'benchmark.db'}"
     database = Database(url)
     upgrade(database)
     with database.writing() as session:
         site_id = SiteRepository(session).add("hall", "golay", 0.014, None).site_id
     open_workbench(url, str(folder / "photographs"))
+    return database, site_id
+
+
+def peak_memory_mib() -> int:
+    """The most memory that this process held until now."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // KIB_PER_MIB
+
+
+def each_in_a_folder(measure: Callable[[int, Path], None], usual: Sequence[int]) -> None:
+    """Measure for each count that the command line names, or for the usual ones."""
+    for count in [int(text) for text in sys.argv[1:]] or usual:
+        with tempfile.TemporaryDirectory() as scratch:
+            measure(count, Path(scratch))
+
+
+def measure(count: int, folder: Path) -> None:
+    """Import two walks and compare them, on SQLite."""
+    database, site_id = hall(folder)
     print(f"{count} poses")
     ids = [imported(folder, site_id, walk(count, noise_m)) for noise_m in (0.0, NOISE_M)]
     timed("read", lambda: read(ids[0]))
     wish = EvaluationWish(ids[0], (ids[1],), EvaluationOptions())
     evaluation_id = timed("compare and keep", lambda: make_evaluation(wish, None).evaluation_id)
     timed("tell", lambda: tell_evaluation(evaluation_id).stored.title)
-    peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // MEBIBYTE_OF_KIB
-    print(f"  most memory until now        {peak_mib:8d} MiB")
+    print(f"  most memory until now        {peak_memory_mib():8d} MiB")
     database.close()
 
 
@@ -80,6 +98,4 @@ def read(trajectory_id: str) -> str:
 
 
 if __name__ == "__main__":
-    for number in [int(text) for text in sys.argv[1:]] or [1_000, 100_000, 1_000_000]:
-        with tempfile.TemporaryDirectory() as scratch:
-            measure(number, Path(scratch))
+    each_in_a_folder(measure, USUAL)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import resource
-import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,13 +9,9 @@ from pathlib import Path
 from sqlalchemy import func, select
 
 from app.services.trajectory_import_work import ImportTask, ImportWish, import_trajectory
-from app.services.workbench import open_workbench
-from app.storage.database import Database
-from app.storage.migrate import upgrade
 from app.storage.models import ImportedPosesRow, TrajectoryRow
-from app.storage.sites import SiteRepository
 from app.trajectories.reading.table import UnreadableTrajectory
-from benchmarks.evaluation import MEBIBYTE_OF_KIB, RATE_HZ, START_S
+from benchmarks.evaluation import RATE_HZ, START_S, each_in_a_folder, hall, peak_memory_mib
 
 ROWS = 10_000_000
 LINES_AT_A_TIME = 100_000
@@ -34,12 +27,7 @@ def lines(count: int) -> Iterator[str]:
 
 def measure(count: int, folder: Path) -> None:
     """Send one file and say what came of it."""
-    url = f"sqlite:///{folder / 'benchmark.db'}"
-    database = Database(url)
-    upgrade(database)
-    with database.writing() as session:
-        site_id = SiteRepository(session).add("hall", "golay", 0.014, None).site_id
-    open_workbench(url, str(folder / "photographs"))
+    database, site_id = hall(folder)
     file = folder / "walk.csv"
     with file.open("w") as out:
         out.writelines(lines(count))
@@ -51,13 +39,10 @@ def measure(count: int, folder: Path) -> None:
     taken_s = time.process_time() - before_s
     with database.reading() as session:
         kept = [session.scalar(select(func.count()).select_from(row)) for row in (TrajectoryRow, ImportedPosesRow)]
-    peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // MEBIBYTE_OF_KIB
     print(f"{count} rows, {file.stat().st_size >> 20} MiB: {said}")
-    print(f"  {taken_s:.2f} s, most memory {peak_mib} MiB, trajectories {kept[0]}, rows of poses {kept[1]}")
+    print(f"  {taken_s:.2f} s, most memory {peak_memory_mib()} MiB, trajectories {kept[0]}, rows of poses {kept[1]}")
     database.close()
 
 
 if __name__ == "__main__":
-    for number in [int(text) for text in sys.argv[1:]] or [ROWS]:
-        with tempfile.TemporaryDirectory() as scratch:
-            measure(number, Path(scratch))
+    each_in_a_folder(measure, (ROWS,))

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.cli.build import read_control
 from app.cli.locate_photo import known_cameras, resect_in_map
 from app.cli.progress import Report
 from app.cli.read_photo import read_photo
 from app.cli.room import Room
+from app.cli.survey_files import read_control
 from app.errors import NotLocated
 from app.geometry.control import ControlPoint
 from app.geometry.map_file import MapCamera, MapFile

@@ -29,6 +29,15 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_survey(parser: argparse.ArgumentParser, control: str) -> None:
+    """Photographs of a survey, its control points (``control`` says what for), its plates, and how they are read."""
+    parser.add_argument("photos", type=Path, nargs="+", help="photographs, or folders of them")
+    parser.add_argument("--control", type=Path, metavar="CSV", help=control)
+    parser.add_argument("--u-mm", type=positive, default=14.0, help="printed module of the plates in mm (14)")
+    add_reading(parser)
+    add_workers(parser)
+
+
 def add_json(parser: argparse.ArgumentParser) -> None:
     """The option for machines."""
     parser.add_argument("--json", action="store_true", help="print JSON for machines")

@@ -5,23 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict
-from pathlib import Path
 
-from app.cli.arguments import add_json, add_reading, add_workers, photo_files, positive
-from app.cli.build import MM_PER_M, read_control
+from app.cli.arguments import add_json, add_survey, photo_files
 from app.cli.compile_ import compile_first
 from app.cli.progress import progress
+from app.cli.survey_files import MM_PER_M, control_of, detect_all
 
 HELP = "say which targets need more photographs, and from where"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("photos", type=Path, nargs="+", help="photographs, or folders of them")
-    parser.add_argument("--control", type=Path, metavar="CSV", help="control points: places in the site's coordinates")
-    parser.add_argument("--u-mm", type=positive, default=14.0, help="printed module of the plates in mm (14)")
-    add_reading(parser)
-    add_workers(parser)
+    add_survey(parser, control="control points: places in the site's coordinates")
     add_json(parser)
 
 
@@ -29,17 +24,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Detect each, grow a network, say what is lacking."""
     compile_first()
     paths = photo_files(arguments.photos)
-    from app.cli.detect_file import detect_file
-    from app.cli.in_parallel import in_parallel
     from app.photogrammetry.survey import PlateSpec
     from app.photogrammetry.survey_guidance import guide_survey
     from app.services.guidance_words import advice_for, place_in_words, summary_of
-    from app.vision.detectors import choose_detector
 
-    detector = choose_detector(arguments.detector, arguments.strictness)
-    control = read_control(arguments.control, arguments.family) if arguments.control else ()
+    control = control_of(arguments)
     with progress() as report:
-        photos = in_parallel(detect_file, paths, (arguments.family, detector), arguments.workers, report)
+        photos = detect_all(arguments, paths, report)
     guidance = guide_survey(photos, control, PlateSpec(arguments.family, arguments.u_mm / MM_PER_M))
     lines = [summary_of(guidance), *(advice_for(target, guidance) for target in guidance.lacking)]
     if guidance.next_shot is not None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from app.errors import InvalidInput
 if TYPE_CHECKING:
     from app.trajectories.trajectory import Trajectory
 
-EXIF_TIME = "%Y:%m:%d %H:%M:%S"
+EXIF_TIME = re.compile(r"(\d{4}):(\d\d):(\d\d) (\d\d:\d\d:\d\d(?:\.\d+)?)([+-]\d\d:\d\d)?")
 SUFFIXES = (".csv", ".tum")
 
 Writer = Callable[[Iterable["Trajectory"]], Iterator[str]]
@@ -30,15 +31,19 @@ def check_suffix(path: Path) -> None:
 
 
 def exif_seconds(name: str, captured_at: str | None) -> float:
-    """EXIF's time, which has no zone, as if it were UTC; seconds since 1970.
+    """EXIF's time with its fraction of a second, as if it were UTC when it names no zone; seconds since 1970.
 
     Raises
     ------
     InvalidInput
         When the photograph tells none.
     """
+    told = EXIF_TIME.fullmatch(captured_at or "")
     try:
-        return datetime.strptime(captured_at or "", EXIF_TIME).replace(tzinfo=UTC).timestamp()
+        if told is None:
+            raise ValueError(f"{captured_at!r} is no time of EXIF")
+        year, month, day, clock, zone = told.groups()
+        return datetime.fromisoformat(f"{year}-{month}-{day}T{clock}{zone or '+00:00'}").timestamp()
     except ValueError as error:
         raise InvalidInput(
             f"{name} does not tell when it was taken (EXIF DateTimeOriginal), so that it has no place in a trajectory; "

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import struct
 import warnings
 from collections.abc import Callable
@@ -42,6 +43,8 @@ HEADER_ERRORS = (
     ZeroDivisionError,
     struct.error,
 )
+# Fields of EXIF that complete its time, as phones write them; what looks otherwise tells nothing.
+FRACTION, ZONE = re.compile(r"[0-9]{1,9}"), re.compile(r"[+-][0-9]{2}:[0-9]{2}")
 NO_MEMORY = -4  # OpenCV's StsNoMem
 DECODE_FLAGS = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
 
@@ -74,7 +77,8 @@ class PhotoHeader:
         ``JPEG``, ``PNG``, ``WEBP`` or ``HEIC``.
     identity : CameraIdentity
     captured_at : str or None
-        EXIF's DateTimeOriginal as written: the phone's local time without a zone.
+        EXIF's DateTimeOriginal, with the fraction of the second and the zone where they are written:
+        ``2026:02:03 04:05:06.25+01:00``; without a zone it is the phone's local time.
     has_exif : bool
         False when nothing tells which way the sensor was held.
     """
@@ -162,8 +166,7 @@ def _check_size(size_px: tuple[int, int], limits: PhotoLimits) -> None:
 
 def _header(format_name: str, size_px: tuple[int, int], exif: dict[int, Any]) -> PhotoHeader:
     identity = _identity(exif, *size_px)
-    captured_at = _text(exif.get(ExifTags.Base.DateTimeOriginal)) or None
-    return PhotoHeader(*size_px, format_name, identity, captured_at, bool(exif))
+    return PhotoHeader(*size_px, format_name, identity, _captured_at(exif), bool(exif))
 
 
 def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
@@ -241,6 +244,13 @@ def _identity(exif: dict[int, Any], width_px: int, height_px: int) -> CameraIden
         lens=_text(exif.get(ExifTags.Base.LensModel)),
         zoom=_positive(exif.get(ExifTags.Base.DigitalZoomRatio)) or 1.0,
     )
+
+
+def _captured_at(exif: dict[int, Any]) -> str | None:
+    second = _text(exif.get(ExifTags.Base.DateTimeOriginal))
+    fraction = FRACTION.fullmatch(_text(exif.get(ExifTags.Base.SubsecTimeOriginal)))
+    zone = ZONE.fullmatch(_text(exif.get(ExifTags.Base.OffsetTimeOriginal)))
+    return f"{second}{f'.{fraction[0]}' if fraction else ''}{zone[0] if zone else ''}" if second else None
 
 
 def _text(value: Any) -> str:

@@ -161,6 +161,24 @@ def test_the_camera_is_named_and_the_picture_not_turned() -> None:
     assert photo.header.has_exif
 
 
+@pytest.mark.parametrize(
+    ("fraction", "zone", "told"),
+    [
+        ("25", "+01:00", "2026:02:03 04:05:06.25+01:00"),
+        ("0625\0", "   :  ", "2026:02:03 04:05:06.0625"),
+        ("  ", "-03:30", "2026:02:03 04:05:06-03:30"),
+        ("soon", "Z", "2026:02:03 04:05:06"),
+    ],
+)
+def test_a_time_has_the_fraction_and_the_zone_that_are_written(fraction: str, zone: str, told: str) -> None:
+    time = {
+        ExifTags.Base.DateTimeOriginal: "2026:02:03 04:05:06",
+        ExifTags.Base.SubsecTimeOriginal: fraction,
+        ExifTags.Base.OffsetTimeOriginal: zone,
+    }
+    assert read_header(with_exif({}, time)).captured_at == told
+
+
 def test_zero_and_undefined_focal_lengths_are_unknown() -> None:
     undefined = with_exif({}, {ExifTags.Base.FocalLength: (0, 0), ExifTags.Base.FocalLengthIn35mmFilm: 0})
     identity = read_header(undefined).identity
