@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import Chebyshev, Polynomial
 
 from app.vision.homography import apply_homographies, local_px_per_u
 from app.vision.kernels.coefficients import CHANNELS
-from app.vision.kernels.sampling import LIGHT_STEPS, sample_plates
+from app.vision.kernels.sampling import LIGHT_DEGREE, sample_plates
 from app.vision.template import PATCH_REACH_U, PatchGrid, blur_level
 
 Array = npt.NDArray[np.float64]
@@ -20,23 +22,35 @@ Pixels = npt.NDArray[np.uint8]
 # Variance, in its own pixels, that a pixel adds to a picture: its box, and the triangle of bilinear sampling.
 PIXEL_VARIANCE = 1.0 / 12.0 + 1.0 / 6.0
 
-# What a sample takes from beyond its own place, and what the numbers that hold two pixels reach over.
+# What a sample takes from beyond its own place.
 MARGIN_PX = 2
 PATCH_CORNERS_U = PATCH_REACH_U * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 
-def linear_from_coded(steps: int) -> Array32:
-    """Linear light, 0 ... 255, of sRGB-coded grey values in so many steps each: blur is linear in light, and so is ink.
+GREY_MAX = 255.0
+CURVE_BEGINS_GREY, CURVE_STRAIGHT = 0.04045 * GREY_MAX, 1.0 / 12.92  # sRGB's line in the dark, and its slope
+CURVE_PLACES = 1000
+
+
+def linear_of_coded(grey: Array) -> Array:
+    """Linear light of sRGB-coded grey values, both 0 ... 255: blur is linear in light, and so is ink.
 
     Phones' tone curves differ from sRGB's, but all of them widen bright dots on black, which this undoes.
     """
-    coded = np.linspace(0.0, 1.0, 255 * steps + 1)
-    linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
-    return (255.0 * linear).astype(np.float32)
+    bent = ((grey / GREY_MAX + 0.055) / 1.055) ** 2.4  # IEC 61966-2-1
+    return np.where(grey <= CURVE_BEGINS_GREY, CURVE_STRAIGHT * grey, GREY_MAX * bent)
 
 
-LINEAR_FROM_CODED = linear_from_coded(1)
-FINE_LINEAR_FROM_CODED = linear_from_coded(LIGHT_STEPS)
+@cache
+def light_curve() -> Array32:
+    """The same as ``sample_plates`` takes it: a polynomial behind the line, fitted so that it errs evenly."""
+    from_dark = 0.5 - 0.5 * np.cos(np.pi * (np.arange(CURVE_PLACES) + 0.5) / CURVE_PLACES)
+    grey = CURVE_BEGINS_GREY + (GREY_MAX - CURVE_BEGINS_GREY) * from_dark
+    fitted = Chebyshev.fit(grey, linear_of_coded(grey), LIGHT_DEGREE).convert(kind=Polynomial)
+    return np.array([*fitted.coef, CURVE_BEGINS_GREY, CURVE_STRAIGHT], dtype=np.float32)
+
+
+LINEAR_FROM_CODED = linear_of_coded(np.arange(GREY_MAX + 1.0)).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -128,14 +142,20 @@ def take_patches(pyramid: Pyramid, image_from_plate: Array, grid: PatchGrid) -> 
     samples = np.empty((len(image_from_plate), CHANNELS, grid.value**2), dtype=np.float32)
     axis_u, homographies = grid.axis_u(), image_from_plate.copy()
     whole = np.flatnonzero(halvings == 0)
-    sample_plates(pyramid.bgr, homographies, whole, 1.0, axis_u, FINE_LINEAR_FROM_CODED, samples)
+    sample_plates(_two_each_way(pyramid.bgr), homographies, whole, 1.0, axis_u, light_curve(), samples)
     for plate in np.flatnonzero(halvings):
         part, first_px = pyramid.halved_around(_corners_px(image_from_plate[plate]), int(halvings[plate]))
         homographies[plate, :2] -= first_px[:, None] * homographies[plate, 2]
         factor = float(0.5 ** halvings[plate])
-        sample_plates(part, homographies, np.array([plate]), factor, axis_u, FINE_LINEAR_FROM_CODED, samples)
+        sample_plates(_two_each_way(part), homographies, np.array([plate]), factor, axis_u, light_curve(), samples)
     pixel_px2 = (4.0 ** halvings.astype(np.float64) - 1.0) * PIXEL_VARIANCE
     return Patches(samples, image_from_plate, px_per_u, pixel_px2, grid)
+
+
+def _two_each_way(pixels: Pixels) -> Pixels:
+    """The picture; one of a single row or column with that repeated, for samples are taken between two."""
+    missing = [(0, max(2 - length, 0)) for length in pixels.shape[:2]]
+    return np.pad(pixels, [*missing, (0, 0)], mode="edge") if min(pixels.shape[:2]) < 2 else pixels
 
 
 def _corners_px(image_from_plate: Array) -> Array:

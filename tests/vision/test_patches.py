@@ -3,7 +3,7 @@ import pytest
 
 from app.planning.tone import linear_of_srgb
 from app.vision.homography import apply_homographies
-from app.vision.patches import LINEAR_FROM_CODED, PIXEL_VARIANCE, Patches, Pyramid, take_patches
+from app.vision.patches import LINEAR_FROM_CODED, PIXEL_VARIANCE, Patches, Pyramid, light_curve, take_patches
 from app.vision.template import BLUR_STEP_U, PatchGrid
 
 SIDE_PX = 128
@@ -30,6 +30,20 @@ def grey_of_linear(linear: np.ndarray) -> np.ndarray:
 
 def test_grey_values_become_linear_light() -> None:
     np.testing.assert_allclose(LINEAR_FROM_CODED, 255 * linear_of_srgb(np.arange(256)), rtol=1e-6, atol=1e-4)
+
+
+def test_the_polynomial_is_the_curve() -> None:
+    *factors, begins, straight = light_curve()
+    grey = np.arange(256)
+    bent = np.polynomial.Polynomial(factors)(grey)
+    np.testing.assert_allclose(np.where(grey < begins, straight * grey, bent), LINEAR_FROM_CODED, atol=0.01)
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 3), (1, 9, 3), (9, 1, 3)])
+def test_a_single_row_or_column_can_be_sampled(shape: tuple[int, ...]) -> None:
+    picture = np.full(shape, 100, dtype=np.uint8)
+    patches = take_patches(Pyramid.of(picture, 1), plate_at_centre(3.0), PatchGrid.ROUGH)
+    np.testing.assert_allclose(patches.samples, LINEAR_FROM_CODED[100], atol=0.01)
 
 
 @pytest.mark.parametrize(

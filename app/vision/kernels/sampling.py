@@ -15,59 +15,89 @@ from app.vision.kernels.homographies import image_of
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.int64]
+Indices32 = npt.NDArray[np.int32]
 Words = npt.NDArray[np.uint64]
 Pixels = npt.NDArray[np.uint8]
 
-LIGHT_STEPS = 8  # of the table of linear light, per grey value: between pixels there are parts of grey values
+LIGHT_DEGREE = 5  # of the polynomial that takes grey values to linear light: off by 0.007 of 255 at most
+WORD_BYTES = 8
 
 
-@compiled("boolean(uint8[:, :, ::1], float64[:, ::1], float64)")
-def _is_inside(level: Pixels, level_from_plate: Array, reach_u: float) -> bool:
-    """Whether a patch's corners, and so the patch, have four pixels around each sample, and one more to the right."""
-    height, width, _ = level.shape
-    for corner in range(4):
-        sign_x, sign_y = 1.0 if corner % 2 else -1.0, 1.0 if corner // 2 else -1.0
-        x, y = image_of(level_from_plate, sign_x * reach_u, sign_y * reach_u)
-        if not (x >= 0.0 and y >= 0.0 and x < width - 2.0 and y < height - 1.0):
-            return False
-    # A plate that reaches behind the camera has no such corners.
-    along, down, middle = level_from_plate[2]
-    return middle > reach_u * (abs(along) + abs(down))
+@compiled("int64(float64, int64)")
+def _pixel_near(place: float, count: int) -> int:
+    """The pixel before a place, of so many; any of them for a plate that reaches behind the camera."""
+    return int(min(place, count - 1.0)) if place > 0.0 else 0
 
 
-@compiled("void(float64[:, ::1], float64[::1], int64, int64[::1], float32[:, ::1])")
-def _place(level_from_plate: Array, axis_u: Array, stride: int, first: Indices, shares: Array32) -> None:
+@compiled("UniTuple(int64, 2)(float64[:, ::1], float64, UniTuple(int64, 2), float64[:, ::1])")
+def _about_middle(image_from_plate: Array, factor: float, size: tuple[int, int], about: Array) -> tuple[int, int]:
+    """The plate's middle pixel (x, y) in the reduced picture, and, written, the homography to offsets from it.
+
+    Of offsets, unlike pixels of a large picture, single precision keeps 1e-5.
+    """
+    # Pixel centres stand at integers: the centre of a reduced pixel lies between those of its parts.
+    h, shift = image_from_plate, 0.5 * factor - 0.5
+    x, y = image_of(h, 0.0, 0.0)
+    left, top = _pixel_near(factor * x + shift, size[0]), _pixel_near(factor * y + shift, size[1])
+    for column in range(3):
+        depth = h[2, column] / h[2, 2]
+        about[0, column] = factor * h[0, column] / h[2, 2] + (shift - left) * depth
+        about[1, column] = factor * h[1, column] / h[2, 2] + (shift - top) * depth
+        about[2, column] = depth
+    return left, top
+
+
+@compiled("UniTuple(float32, 2)(float32, float32, float32)")
+def _before(place: np.float32, least: np.float32, most: np.float32) -> tuple[np.float32, np.float32]:
+    """The pixel before a place, and how far the place stands behind it; the picture's border goes on beyond it."""
+    kept = place if place > least else least  # so for NaN, too
+    kept = kept if kept < most else most
+    pixel = min(np.floor(kept), most - np.float32(1.0))
+    return pixel, kept - pixel
+
+
+@compiled("void(float64[:, ::1], float64[::1], UniTuple(float32, 4), int64, Tuple((int32[::1], float32[:, ::1])))")
+def _place(
+    h: Array, axis_u: Array, bounds: tuple[np.float32, ...], stride: int, room: tuple[Indices32, Array32]
+) -> None:
     """The first byte of the four pixels around each sample, and how far it stands to the right and below of it."""
-    h, count = level_from_plate, len(axis_u)
+    first, shares = room
+    least_x, most_x, least_y, most_y = bounds
+    x_by_u, y_by_u, depth_by_u = np.float32(h[0, 0]), np.float32(h[1, 0]), np.float32(h[2, 0])
+    count, row_bytes = len(axis_u), np.int32(stride)
     for row in range(count):
-        x_by_row, y_by_row = h[0, 1] * axis_u[row] + h[0, 2], h[1, 1] * axis_u[row] + h[1, 2]
-        depth_by_row = h[2, 1] * axis_u[row] + h[2, 2]
+        v = axis_u[row]
+        x_by_row, y_by_row = np.float32(h[0, 1] * v + h[0, 2]), np.float32(h[1, 1] * v + h[1, 2])
+        depth_by_row = np.float32(h[2, 1] * v + h[2, 2])
         line, along, down = first[row * count :], shares[0, row * count :], shares[1, row * count :]
         for column in range(count):
-            share = 1.0 / (h[2, 0] * axis_u[column] + depth_by_row)
-            x, y = (h[0, 0] * axis_u[column] + x_by_row) * share, (h[1, 0] * axis_u[column] + y_by_row) * share
-            left, top = np.int64(x), np.int64(y)
-            line[column] = top * stride + 3 * left
-            along[column], down[column] = np.float32(x - left), np.float32(y - top)
+            u = np.float32(axis_u[column])
+            share = np.float32(1.0) / (depth_by_u * u + depth_by_row)
+            left, along[column] = _before((x_by_u * u + x_by_row) * share, least_x, most_x)
+            top, down[column] = _before((y_by_u * u + y_by_row) * share, least_y, most_y)
+            line[column] = np.int32(top) * row_bytes + np.int32(3) * np.int32(left)
 
 
 @compiled("uint64(uint8[::1], uint64)")
 def _word_at(pixels: Pixels, at: np.uint64) -> np.uint64:
     """Eight bytes as one number, the first the lowest: two pixels and what follows. The compiler makes it one load."""
     word = np.uint64(0)
-    for byte in range(8):
+    for byte in range(WORD_BYTES):
         word |= np.uint64(pixels[at + np.uint64(byte)]) << np.uint64(8 * byte)
     return word
 
 
-@compiled("void(uint8[::1], int64, int64[::1], uint64[:, ::1])")
-def _fetch(pixels: Pixels, stride: int, first: Indices, words: Words) -> None:
-    """The two pixels above each sample, and the two below."""
-    above, below = words[0], words[1]
+@compiled("void(uint8[::1], int64, int64, int32[::1], uint64[:, ::1])")
+def _fetch(pixels: Pixels, middle: int, stride: int, first: Indices32, words: Words) -> None:
+    """The two pixels above each sample, and the two below; ``first`` counts bytes from the middle's."""
+    above, below, last = words[0], words[1], np.uint64(len(pixels) - WORD_BYTES)
     for sample in range(len(first)):
-        at = np.uint64(first[sample])
+        at = np.uint64(middle + first[sample])
         above[sample] = _word_at(pixels, at)
-        below[sample] = _word_at(pixels, at + np.uint64(stride))
+        at += np.uint64(stride)
+        # Behind the picture's last two pixels there are no more bytes.
+        begin = min(at, last)
+        below[sample] = _word_at(pixels, begin) >> (np.uint64(8) * (at - begin))
 
 
 @compiled("float32(uint64, uint64)")
@@ -75,47 +105,20 @@ def _byte_of(word: np.uint64, byte: np.uint64) -> np.float32:
     return np.float32(np.int32((word >> (np.uint64(8) * byte)) & np.uint64(255)))
 
 
-@compiled("void(uint64[:, ::1], float32[:, ::1], float32[:, ::1])")
-def _interpolate(words: Words, shares: Array32, samples: Array32) -> None:
-    """Bilinear between two pixels above and two below."""
+@compiled("void(uint64[:, ::1], float32[:, ::1], float32[::1], float32[:, ::1])")
+def _interpolate(words: Words, shares: Array32, light: Array32, samples: Array32) -> None:
+    """Bilinear between two pixels above and two below, then coded grey values to linear light."""
     above, below, along, down = words[0], words[1], shares[0], shares[1]
+    one, g1, g2, g3, g4, g5, begins, straight = light
     for channel in range(3):
         left, right, line = np.uint64(channel), np.uint64(channel + 3), samples[channel]
         for sample in range(len(line)):
             upper, lower = _byte_of(above[sample], left), _byte_of(below[sample], left)
             upper += along[sample] * (_byte_of(above[sample], right) - upper)
             lower += along[sample] * (_byte_of(below[sample], right) - lower)
-            line[sample] = upper + down[sample] * (lower - upper)
-
-
-@compiled("void(float32[::1], int32[::1], float32[:, ::1])")
-def _to_light(light: Array32, steps: npt.NDArray[np.int32], samples: Array32) -> None:
-    """Coded grey values to linear light, in place."""
-    for channel in range(3):
-        line = samples[channel]
-        for sample in range(len(line)):
-            steps[sample] = np.int32(line[sample] * np.float32(LIGHT_STEPS) + np.float32(0.5))
-        for sample in range(len(line)):
-            line[sample] = light[np.uint32(steps[sample])]
-
-
-@compiled("void(uint8[:, :, ::1], float64[:, ::1], float64[::1], float32[:, ::1])")
-def _interpolate_clamped(level: Pixels, level_from_plate: Array, axis_u: Array, samples: Array32) -> None:
-    """The same of a plate that may reach over the picture's border, which goes on beyond it."""
-    height, width, _ = level.shape
-    count = len(axis_u)
-    for row in range(count):
-        for column in range(count):
-            x, y = image_of(level_from_plate, axis_u[column], axis_u[row])
-            x = min(max(x, 0.0), width - 1.0) if x == x else 0.0
-            y = min(max(y, 0.0), height - 1.0) if y == y else 0.0
-            left, top = np.int64(x), np.int64(y)
-            right, bottom = min(left + 1, width - 1), min(top + 1, height - 1)
-            right_share, low_share = x - left, y - top
-            for channel in range(3):
-                upper = level[top, left, channel] * (1.0 - right_share) + level[top, right, channel] * right_share
-                lower = level[bottom, left, channel] * (1.0 - right_share) + level[bottom, right, channel] * right_share
-                samples[channel, row * count + column] = upper * (1.0 - low_share) + lower * low_share
+            grey = upper + down[sample] * (lower - upper)
+            bent = one + grey * (g1 + grey * (g2 + grey * (g3 + grey * (g4 + grey * g5))))
+            line[sample] = straight * grey if grey < begins else bent
 
 
 @compiled(
@@ -135,6 +138,7 @@ def sample_plates(
     Parameters
     ----------
     level : ndarray of shape (H, W, 3), uint8
+        Two pixels each way at least.
     image_from_plate : ndarray of shape (P, 3, 3)
     plates : ndarray of shape (M,)
         Indices of the plates to be sampled.
@@ -142,27 +146,19 @@ def sample_plates(
         Size of the level over that of the photograph.
     axis_u : ndarray of shape (N,)
         Coordinates of a square grid's columns and rows.
-    light : ndarray of shape (255 * LIGHT_STEPS + 1,), float32
-        Linear light by grey value.
+    light : ndarray of shape (LIGHT_DEGREE + 3,), float32
+        Of linear light by grey value: factors of a polynomial; where it begins, and the slope of the line before.
     samples : ndarray of shape (P, 3, N * N), float32, written
         Blue, green, red, row by row.
     """
-    level_from_plate, pixels, stride = np.empty((3, 3)), level.reshape(-1), 3 * level.shape[1]
+    height, width, _ = level.shape
+    about, pixels, stride = np.empty((3, 3)), level.reshape(-1), 3 * width
     count = len(axis_u) ** 2
-    first, words = np.empty(count, dtype=np.int64), np.empty((2, count), dtype=np.uint64)
-    shares, steps = np.empty((2, count), dtype=np.float32), np.empty(count, dtype=np.int32)
-    # Pixel centres stand at integers: the centre of a reduced pixel lies between those of its parts.
-    shift = 0.5 * factor - 0.5
+    first, words = np.empty(count, dtype=np.int32), np.empty((2, count), dtype=np.uint64)
+    shares = np.empty((2, count), dtype=np.float32)
     for plate in plates:
-        h = image_from_plate[plate]
-        for column in range(3):
-            level_from_plate[0, column] = factor * h[0, column] + shift * h[2, column]
-            level_from_plate[1, column] = factor * h[1, column] + shift * h[2, column]
-            level_from_plate[2, column] = h[2, column]
-        if _is_inside(level, level_from_plate, axis_u[-1]):
-            _place(level_from_plate, axis_u, stride, first, shares)
-            _fetch(pixels, stride, first, words)
-            _interpolate(words, shares, samples[plate])
-        else:
-            _interpolate_clamped(level, level_from_plate, axis_u, samples[plate])
-        _to_light(light, steps, samples[plate])
+        x, y = _about_middle(image_from_plate[plate], factor, (width, height), about)
+        bounds = (np.float32(-x), np.float32(width - 1 - x), np.float32(-y), np.float32(height - 1 - y))
+        _place(about, axis_u, bounds, stride, (first, shares))
+        _fetch(pixels, stride * y + 3 * x, stride, first, words)
+        _interpolate(words, shares, light, samples[plate])

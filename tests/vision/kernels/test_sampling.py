@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from app.vision.kernels.sampling import LIGHT_STEPS, sample_plates
+from app.vision.kernels.sampling import LIGHT_DEGREE, sample_plates
 
 AXIS_U = np.linspace(-6.0, 6.0, 17)
-GREY = (np.arange(255 * LIGHT_STEPS + 1) / LIGHT_STEPS).astype(np.float32)  # light is as coded
+GREY = np.array([0, 1] + [0] * (LIGHT_DEGREE - 1) + [0, 1], dtype=np.float32)  # light is as coded
 HEIGHT_PX, WIDTH_PX = 90, 120
 
 
@@ -28,4 +28,13 @@ def test_samples_are_bilinear_inside_and_over_the_border(middle_px: tuple[float,
     x, y = (part.ravel() for part in np.meshgrid(AXIS_U, AXIS_U))
     along, down, depth = homography @ np.stack([x, y, np.ones(len(x))])
     expected = bilinear(level, np.stack([along / depth, down / depth], axis=1))
-    np.testing.assert_allclose(samples[0], expected, atol=0.5 / LIGHT_STEPS + 0.01)
+    np.testing.assert_allclose(samples[0], expected, atol=0.01)
+
+
+@pytest.mark.parametrize("behind", [np.nan, 0.0, -0.2])
+def test_a_plate_behind_the_camera_takes_pixels_of_the_picture(behind: float) -> None:
+    level = np.random.default_rng(4).integers(7, 9, (HEIGHT_PX, WIDTH_PX, 3), dtype=np.uint8)
+    homography = np.array([[2.5, 0.4, 60.0], [-0.3, 2.2, 45.0], [0.2, behind, behind]])
+    samples = np.empty((1, 3, len(AXIS_U) ** 2), dtype=np.float32)
+    sample_plates(level, homography[None], np.array([0]), 1.0, AXIS_U, GREY, samples)
+    assert samples.min() >= 7.0 and samples.max() <= 8.0
