@@ -16,8 +16,9 @@ import numpy.typing as npt
 from app.geometry.camera import INTRINSIC_COUNT, CalibratedCamera, Camera
 from app.geometry.pose import Pose
 from app.photogrammetry.kernels.descent import LEAST_FOCAL_SHARE, move_state
+from app.photogrammetry.kernels.layout import COLUMNS
 from app.photogrammetry.kernels.leftovers import explain_by_movement, measure_residuals
-from app.photogrammetry.kernels.products import COLUMNS, linearise_targets
+from app.photogrammetry.kernels.products import linearise_targets
 from app.photogrammetry.resection_input import SightedTargets
 
 Array = npt.NDArray[np.float64]

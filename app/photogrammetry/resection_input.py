@@ -12,7 +12,7 @@ import numpy.typing as npt
 from app.geometry.observations import TargetObservation
 from app.geometry.plate_sigmas import MODE_COUNT, PlateSigmas
 from app.geometry.target_map import TargetMap
-from app.photogrammetry.kernels.products import OWN
+from app.photogrammetry.kernels.layout import OWN
 from app.photogrammetry.kernels.shared_errors import find_modes, whiten_dots
 from app.targets.layout import DOT_COUNT, dot_centres_u
 

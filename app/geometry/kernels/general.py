@@ -27,18 +27,22 @@ def solve_general(matrix: Array, right: Array) -> None:
     """
     count, width = right.shape
     for pivot in range(count):
-        best = pivot + int(np.argmax(np.abs(matrix[pivot:, pivot])))
+        best = pivot
+        for row in range(pivot + 1, count):
+            best = row if abs(matrix[row, pivot]) > abs(matrix[best, pivot]) else best
         _swap_rows(matrix, pivot, best)
         _swap_rows(right, pivot, best)
+        scale = 1.0 / matrix[pivot, pivot]
         for row in range(pivot + 1, count):
-            factor = matrix[row, pivot] / matrix[pivot, pivot]
+            factor = scale * matrix[row, pivot]
             for column in range(pivot, count):
                 matrix[row, column] -= factor * matrix[pivot, column]
             for column in range(width):
                 right[row, column] -= factor * right[pivot, column]
     for row in range(count - 1, -1, -1):
+        for inner in range(row + 1, count):
+            for column in range(width):
+                right[row, column] -= matrix[row, inner] * right[inner, column]
+        scale = 1.0 / matrix[row, row]
         for column in range(width):
-            value = right[row, column]
-            for inner in range(row + 1, count):
-                value -= matrix[row, inner] * right[inner, column]
-            right[row, column] = value / matrix[row, row]
+            right[row, column] *= scale

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from app.compiled import compiled
 from app.geometry.kernels.rotation import turn_rotation
-from app.photogrammetry.kernels.products import INTRINSICS, OWN, linearise_targets
+from app.photogrammetry.kernels.layout import INTRINSICS, OWN
+from app.photogrammetry.kernels.products import linearise_targets
 from app.photogrammetry.kernels.steps import damped_step
 
 Array = npt.NDArray[np.float64]

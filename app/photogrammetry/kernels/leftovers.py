@@ -10,7 +10,8 @@ import numpy.typing as npt
 from app.compiled import compiled
 from app.geometry.kernels.lens import project
 from app.geometry.kernels.symmetric import solve_symmetric
-from app.photogrammetry.kernels.products import OWN, to_camera
+from app.photogrammetry.kernels.layout import OWN
+from app.photogrammetry.kernels.products import to_camera
 from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]

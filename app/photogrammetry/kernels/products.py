@@ -1,4 +1,4 @@
-"""Products of the whitened collinearity equations of a target, and its own unknowns eliminated from them."""
+"""Products of the whitened collinearity equations of targets."""
 
 from __future__ import annotations
 
@@ -8,16 +8,15 @@ import numpy as np
 import numpy.typing as npt
 
 from app.compiled import compiled
-from app.geometry.kernels.general import solve_general
 from app.geometry.kernels.lens import linearise_projection
+from app.photogrammetry.kernels.elimination import eliminate_own
+from app.photogrammetry.kernels.layout import COLUMNS, INTRINSICS, OWN
 from app.photogrammetry.kernels.shared_errors import weigh_shared
 from app.targets.layout import DOT_COUNT
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-OWN, INTRINSICS = 6, 9
-COLUMNS = OWN + INTRINSICS + 1  # a target's own movement, the camera, and last the residual
 FIELD_LIMIT = 3.0  # tangent of 72 degrees off the axis: beyond it Brown-Conrady describes no lens
 
 
@@ -31,36 +30,32 @@ def to_camera(rotation: Array, offset_m: Array, cam_m: Array) -> bool:
     return cam_m[2] > max(abs(cam_m[0]), abs(cam_m[1])) / FIELD_LIMIT
 
 
-@compiled("void(float64[:, ::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])")
-def _fill_rows(rotation: Array, arm_m: Array, root: Array, by: Array, rows: Array) -> None:
-    """Derivatives of a dot's image, two rows of 15, by its target's movement and the whitened intrinsics.
+@compiled("void(float64[::1], float64[:, :])")
+def _whiten(whitener: Array, pair: Array) -> None:
+    """Two rows of a dot in standard deviations, in place."""
+    for column in range(pair.shape[1]):
+        pair[1, column] = whitener[1] * pair[0, column] + whitener[2] * pair[1, column]
+        pair[0, column] *= whitener[0]
 
-    A target's own movement ``translation + rotation x arm`` moves the image by ``d`` and ``arm x d``, where d is the
-    image's derivative by the dot. ``by`` holds the derivatives by the point in the camera and by the intrinsics.
+
+@compiled("void(float64[:, ::1], float64[::1], float64[:, ::1], float64[:, ::1])")
+def _fill_own(rotation: Array, arm_m: Array, by_point: Array, pair: Array) -> None:
+    """Derivatives of a dot's image by its target's movement, the first six columns of two rows.
+
+    The movement ``translation + rotation x arm`` moves the image by ``d`` and ``arm x d``, where d is the image's
+    derivative by the dot; ``by_point`` is that by the point in the camera, (2, 3).
     """
     for row in range(2):
-        line = rows[row]
+        line = pair[row]
         for axis in range(3):
             line[axis] = (
-                rotation[axis, 0] * by[row, 0] + rotation[axis, 1] * by[row, 1] + rotation[axis, 2] * by[row, 2]
+                rotation[axis, 0] * by_point[row, 0]
+                + rotation[axis, 1] * by_point[row, 1]
+                + rotation[axis, 2] * by_point[row, 2]
             )
         line[3] = arm_m[1] * line[2] - arm_m[2] * line[1]
         line[4] = arm_m[2] * line[0] - arm_m[0] * line[2]
         line[5] = arm_m[0] * line[1] - arm_m[1] * line[0]
-        for column in range(INTRINSICS):
-            line[OWN + column] = 0.0
-        for inner in range(INTRINSICS):
-            for column in range(INTRINSICS):
-                line[OWN + column] += by[row, 3 + inner] * root[inner, column]
-
-
-@compiled("void(float64[:, ::1], int64, float64[::1])")
-def _whiten_pair(rows: Array, dot: int, whitener: Array) -> None:
-    """Whiten the two rows of a dot in place."""
-    above, below = rows[2 * dot], rows[2 * dot + 1]
-    for column in range(COLUMNS):
-        below[column] = whitener[1] * above[column] + whitener[2] * below[column]
-        above[column] *= whitener[0]
 
 
 @compiled("void(float64[:, ::1], float64[:, ::1])")
@@ -71,82 +66,38 @@ def _multiply(rows: Array, gram: Array) -> None:
         products = gram[first]
         for row in range(0, 2 * DOT_COUNT, 4):  # four at a time: each sum is loaded and stored once for them
             a, b, c, d = rows[row, first], rows[row + 1, first], rows[row + 2, first], rows[row + 3, first]
-            for second in range(COLUMNS):
+            for second in range(first - first % 4, COLUMNS):  # whole registers
                 products[second] += (
                     a * rows[row, second]
                     + b * rows[row + 1, second]
                     + c * rows[row + 2, second]
                     + d * rows[row + 3, second]
                 )
-
-
-@compiled("void(float64[:, ::1], float64[::1])")
-def _to_pose(reduced: Array, to_centre_m: Array) -> None:
-    """Put the camera's movement, which is the target's the other way, in the place of the target's.
-
-    Moving and turning the camera by (t, r) moves the target by ``centre x r - t`` and turns it by ``-r``.
-    """
-    x, y, z = to_centre_m
-    for column in range(COLUMNS):
-        a, b, c = reduced[0, column], reduced[1, column], reduced[2, column]
-        reduced[0, column], reduced[1, column], reduced[2, column] = -a, -b, -c
-        reduced[3, column] = z * b - y * c - reduced[3, column]
-        reduced[4, column] = x * c - z * a - reduced[4, column]
-        reduced[5, column] = y * a - x * b - reduced[5, column]
-    for row in range(COLUMNS):
-        a, b, c = reduced[row, 0], reduced[row, 1], reduced[row, 2]
-        reduced[row, 0], reduced[row, 1], reduced[row, 2] = -a, -b, -c
-        reduced[row, 3] = z * b - y * c - reduced[row, 3]
-        reduced[row, 4] = x * c - z * a - reduced[row, 4]
-        reduced[row, 5] = y * a - x * b - reduced[row, 5]
-
-
-@compiled("void(float64[:, ::1], float64[:, ::1])")
-def _to_gain(gram: Array, gain: Array) -> None:
-    """A target's own covariance Q to (Q^-1 + N)^-1, in place, without inverting Q: it is zero for a perfect map."""
-    mixed = np.eye(OWN)
-    for row in range(OWN):
-        for column in range(OWN):
-            for inner in range(OWN):
-                mixed[row, column] += gain[row, inner] * gram[inner, column]
-    solve_general(mixed, gain)
-
-
-@compiled("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[:, ::1])")
-def _eliminate(gram: Array, own_covariance: Array, to_centre_m: Array, reduced: Array) -> None:
-    """Products of pose, intrinsics and residual, written: the own unknowns out (Schur complement), the pose in."""
-    gain = own_covariance.copy()
-    _to_gain(gram, gain)
-    gained = np.zeros((OWN, COLUMNS))
-    for row in range(OWN):
-        for inner in range(OWN):
-            for column in range(COLUMNS):
-                gained[row, column] += gain[row, inner] * gram[inner, column]
-    for row in range(COLUMNS):
-        for column in range(COLUMNS):
-            reduced[row, column] = gram[row, column]
-        for inner in range(OWN):
-            for column in range(COLUMNS):
-                reduced[row, column] -= gram[inner, row] * gained[inner, column]
-    _to_pose(reduced, to_centre_m)
+        for second in range(first):
+            products[second] = gram[second, first]
 
 
 @compiled(
     "boolean(Tuple((float64[:, ::1], float64[::1], float64[::1], float64[:, ::1])), float64[::1], "
-    "Tuple((float64[:, ::1], float64[:, ::1], float64[:, ::1], boolean[::1])), float64[:, ::1])"
+    "Tuple((float64[:, ::1], float64[:, ::1], float64[:, ::1], boolean[::1])), "
+    "Tuple((float64[::1], float64[::1], float64[:, ::1], float64[:, ::1])), float64[:, ::1])"
 )
-def _fill_target(state: tuple[Array, ...], to_centre_m: Array, dots: tuple[Any, ...], rows: Array) -> bool:
+def _fill_target(
+    state: tuple[Array, ...], to_centre_m: Array, dots: tuple[Any, ...], room: tuple[Array, ...], rows: Array
+) -> bool:
     """Whitened rows (32, 16) of a target, written; whether all its dots have an image.
 
-    ``dots`` holds a target's arms (16, 3), observed dots (16, 2), whiteners (16, 3) and which are measured (16,).
+    ``dots`` holds a target's arms (16, 3), observed dots (16, 2), whiteners (16, 3) and which are measured (16,);
+    ``room`` is for an offset, a point, and derivatives by point (2, 3) and intrinsics (2, 9).
     """
-    rotation, _, intrinsics, root = state
+    rotation, _, intrinsics, _ = state
     arms_m, observed_px, whiteners, measured = dots
-    offset_m, cam_m, imaged = np.empty(3), np.empty(3), True
-    by_point, by_intrinsics, by = np.empty((2, 3)), np.empty((2, INTRINSICS)), np.empty((2, 3 + INTRINSICS))
-    rows[:] = 0.0
+    offset_m, cam_m, by_point, by_intrinsics = room
+    imaged = True
     for dot in range(DOT_COUNT):
+        pair = rows[2 * dot : 2 * dot + 2]
         if not measured[dot]:
+            pair[:] = 0.0
             continue
         for axis in range(3):
             offset_m[axis] = to_centre_m[axis] + arms_m[dot, axis]
@@ -154,11 +105,10 @@ def _fill_target(state: tuple[Array, ...], to_centre_m: Array, dots: tuple[Any, 
             imaged = False
             cam_m[0], cam_m[1], cam_m[2] = 0.0, 0.0, 1.0  # has no image; its target is marked
         u, v = linearise_projection(intrinsics, cam_m, by_point, by_intrinsics)
-        by[:, :3], by[:, 3:] = by_point, by_intrinsics
-        pair = rows[2 * dot : 2 * dot + 2]
-        _fill_rows(rotation, arms_m[dot], root, by, pair)
+        _fill_own(rotation, arms_m[dot], by_point, pair)
+        pair[:, OWN : COLUMNS - 1] = by_intrinsics
         pair[0, -1], pair[1, -1] = u - observed_px[dot, 0], v - observed_px[dot, 1]
-        _whiten_pair(rows, dot, whiteners[dot])
+        _whiten(whiteners[dot], pair)
     return imaged
 
 
@@ -178,20 +128,24 @@ def linearise_targets(state: tuple[Array, ...], sighted: tuple[Any, ...], equati
     sighted : tuple of ndarray
         The fields of ``SightedTargets`` from ``rotations`` on.
     equations : tuple of ndarray, written
-        Products (K, 16, 16) of the whitened columns; the same with the own unknowns eliminated and the pose in their
-        place (K, 16, 16); whether the target is seen from the front (K,).
+        Products (K, 16, 16) of the columns: own movement, intrinsics, residual; the same with the own unknowns
+        eliminated, the pose in their place and the camera in units of its prior (K, 16, 16); whether the target is seen
+        from the front (K,).
     """
     rotations, centres_m, arms_m, own_covariances, observed_px, whiteners, measured, modes, sigmas = sighted
     gram, reduced, seen_from_front = equations
     to_centre_m, rows = np.empty(3), np.empty((2 * DOT_COUNT, COLUMNS))
+    of_dot = (np.empty(3), np.empty(3), np.empty((2, 3)), np.empty((2, INTRINSICS)))
+    of_target = (np.empty((OWN, OWN)), np.empty((OWN, OWN)), np.empty((INTRINSICS, COLUMNS)))
     for target in range(len(centres_m)):
         facing = 0.0
         for axis in range(3):
             to_centre_m[axis] = centres_m[target, axis] - state[1][axis]
             facing += rotations[target, axis, 2] * to_centre_m[axis]
         dots = (arms_m[target], observed_px[target], whiteners[target], measured[target])
-        imaged = _fill_target(state, to_centre_m, dots, rows)
+        imaged = _fill_target(state, to_centre_m, dots, of_dot, rows)
         seen_from_front[target] = imaged and facing < 0.0
         _multiply(rows, gram[target])
         weigh_shared(rows, modes[target], sigmas[target], gram[target])
-        _eliminate(gram[target], own_covariances[target], to_centre_m, reduced[target])
+        changes = (own_covariances[target], to_centre_m, state[3])
+        eliminate_own(gram[target], changes, of_target, reduced[target])

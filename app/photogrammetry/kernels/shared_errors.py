@@ -47,24 +47,27 @@ def whiten_dots(covariances_px2: Array, measured: Mask, whiteners: Array) -> boo
     return True
 
 
+@compiled("float64(float64[::1], float64[::1])")
+def _product(one: Array, other: Array) -> float:
+    total = 0.0
+    for place in range(COORDINATES):
+        total += one[place] * other[place]
+    return total
+
+
 @compiled("void(float64[:, ::1], int64)")
 def _take_out_earlier(basis: Array, mode: int) -> None:
     """Make a mode orthogonal to those before it (Gram and Schmidt) and of unit length, or zero."""
-    before = 0.0
-    for place in range(COORDINATES):
-        before += basis[mode, place] ** 2
+    own = basis[mode]
+    before = _product(own, own)
     for earlier in range(mode):
-        shared = 0.0
+        shared = _product(own, basis[earlier])
         for place in range(COORDINATES):
-            shared += basis[mode, place] * basis[earlier, place]
-        for place in range(COORDINATES):
-            basis[mode, place] -= shared * basis[earlier, place]
-    after = 0.0
-    for place in range(COORDINATES):
-        after += basis[mode, place] ** 2
+            own[place] -= shared * basis[earlier, place]
+    after = _product(own, own)
     scale = 1.0 / np.sqrt(after) if after > LEAST_LENGTH * before else 0.0
     for place in range(COORDINATES):
-        basis[mode, place] *= scale
+        own[place] *= scale
 
 
 @compiled("void(float64[:, :, ::1], float64[:, ::1], float64[:, :, ::1])")
@@ -80,12 +83,13 @@ def find_modes(whiteners: Array, shapes: Array, modes: Array) -> None:
     """
     for sighting in range(len(whiteners)):
         basis = modes[sighting]
+        for dot in range(DOT_COUNT):
+            upper, mixed, lower = whiteners[sighting, dot]
+            for shape in range(MODES // 2):  # along x, then along y
+                size = shapes[dot, shape]
+                basis[2 * shape, 2 * dot], basis[2 * shape, 2 * dot + 1] = size * upper, size * mixed
+                basis[2 * shape + 1, 2 * dot], basis[2 * shape + 1, 2 * dot + 1] = 0.0, size * lower
         for mode in range(MODES):
-            for dot in range(DOT_COUNT):
-                upper, mixed, lower = whiteners[sighting, dot]
-                shape = shapes[dot, mode // 2]
-                basis[mode, 2 * dot] = shape * upper if mode % 2 == 0 else 0.0
-                basis[mode, 2 * dot + 1] = shape * (mixed if mode % 2 == 0 else lower)
             _take_out_earlier(basis, mode)
 
 
@@ -107,18 +111,26 @@ def weigh_shared(rows: Array, modes: Array, sigmas: Array, gram: Array) -> None:
     """
     columns = rows.shape[1]
     of_dots = 1.0 / sigmas[2] ** 2
-    for row in range(columns):
-        for column in range(columns):
-            gram[row, column] *= of_dots
-    of_mode = np.empty(columns)
+    of_modes = np.zeros((MODES, columns))
     for mode in range(MODES):
-        factor = 1.0 / sigmas[0 if mode < SHIFTS else 1] ** 2 - of_dots
-        of_mode[:] = 0.0
-        for dot in range(DOT_COUNT):
-            above, below = modes[mode, 2 * dot], modes[mode, 2 * dot + 1]
+        line = of_modes[mode]
+        for row in range(0, COORDINATES, 4):  # four at a time: each sum is loaded and stored once for them
+            a, b, c, d = modes[mode, row : row + 4]
             for column in range(columns):
-                of_mode[column] += above * rows[2 * dot, column] + below * rows[2 * dot + 1, column]
-        for row in range(columns):
-            part = factor * of_mode[row]
-            for column in range(columns):
-                gram[row, column] += part * of_mode[column]
+                line[column] += (
+                    a * rows[row, column]
+                    + b * rows[row + 1, column]
+                    + c * rows[row + 2, column]
+                    + d * rows[row + 3, column]
+                )
+    shift, linear = 1.0 / sigmas[0] ** 2 - of_dots, 1.0 / sigmas[1] ** 2 - of_dots
+    for row in range(columns):
+        a, b = shift * of_modes[0, row], shift * of_modes[1, row]
+        c, d, e, f = linear * of_modes[2:, row]
+        for column in range(columns):
+            gram[row, column] = (
+                of_dots * gram[row, column]
+                + (a * of_modes[0, column] + b * of_modes[1, column])
+                + (c * of_modes[2, column] + d * of_modes[3, column])
+                + (e * of_modes[4, column] + f * of_modes[5, column])
+            )
