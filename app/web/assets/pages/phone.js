@@ -1,6 +1,6 @@
 // The phone: where am I? Pictures of the live camera or of its camera app, located at once or as soon as there is a network.
 import { useAction } from "../core/hooks.js";
-import { html, useMemo, useState } from "../core/html.js";
+import { html, useEffect, useMemo, useState } from "../core/html.js";
 import { may } from "../core/session.js";
 import { Answer } from "../phone/answer.js";
 import { useClock } from "../phone/clock.js";
@@ -24,10 +24,10 @@ export default function Phone({ site, who }) {
   const [device_id, setDevice] = useState(deviceId);
   const room = useRoom(site, device_id);
   const rename = (name) => { if (name) { renameDevice(name); setDevice(name); } };
-  return html`<${Loaded} of=${room}>${(found) => html`<${Locating} room=${found} device=${{ id: device_id, rename }} who=${who} />`}</${Loaded}>`;
+  return html`<${Loaded} of=${room}>${(found) => html`<${Locating} room=${found} device=${{ id: device_id, rename }} who=${who} onNetwork=${room.reload} />`}</${Loaded}>`;
 }
 
-function Locating({ room, device, who }) {
+function Locating({ room, device, who, onNetwork }) {
   const { site_id } = room.site;
   const clock = useClock();
   const queue = useQueue(site_id, clock.current);
@@ -37,14 +37,15 @@ function Locating({ room, device, who }) {
   const wish = useWish();
   const keptPages = useKeptPages();
   useWakeLock(eye.ready);
+  useEffect(() => { if (room.old && clock.reading) onNetwork(); }, [room.old, clock.reading]); // the service answers again
   const { newest, answers } = useShown(queue.results, run.run?.trajectory_id);
   const counts = countsOf(queue, run.run?.trajectory_id);
   const record = html`<${CameraRecord} site=${site_id} cameras=${room.cameras} size=${eye.size} device_id=${device.id} chosen=${eye.chosen} onChoose=${eye.choose} />`;
   return html`<h1 class="visually-hidden">Phone in ${room.site.name}</h1>
-    ${room.old && html`<${Notice} kind="warn"><p>No network: pictures wait on this phone and are sent later, each with its own time.</p></${Notice}>`}
+    ${room.old && html`<${Notice} kind="warn"><p>No network: pictures wait here and are sent later, with their own times.</p></${Notice}>`}
     ${!room.site.map_version && html`<${Notice} kind="warn"><p>This site has no target map yet: nothing can be located before its survey is built.</p></${Notice}>`}
     <div class="phone"><div class="phone-column">
-      <${Preview} camera=${eye.camera} video=${eye.video} size=${eye.size} onSize=${eye.setSize} />
+      <${Preview} camera=${eye.camera} eye=${eye.eye} size=${eye.size} onSize=${eye.setSize} />
       <section class="phone-plan" aria-label="Plan"><${HerePlan} room=${room} answers=${answers} /></section>
     </div><div class="phone-column">
       <${Answer} result=${newest} site=${site_id} waiting=${queue.tasks.length > 0 && queue.standing.state === "sending"} />

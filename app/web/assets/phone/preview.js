@@ -1,5 +1,5 @@
 // What the camera sees, or why nothing is seen and what to do about it.
-import { html, useEffect } from "../core/html.js";
+import { html, useEffect, useRef } from "../core/html.js";
 import { Busy, Button, Field, Notice } from "../ui/parts.js";
 
 const WAYS_OUT = {
@@ -11,15 +11,21 @@ const WAYS_OUT = {
   failed: html`<p><b>The camera does not start.</b></p>`,
 };
 
-/** @param {{current: HTMLVideoElement}} video where the element is put for those who take its pictures */
-export function Preview({ camera, video, size, onSize }) {
-  useEffect(() => { if (video.current) video.current.srcObject = camera.stream; }, [camera.stream]);
+/**
+ * The picture, and a second one of two pixels in a corner that pictures are taken from: browsers give no frames of a video that is
+ * scrolled out of sight.
+ * @param {{current: HTMLVideoElement}} eye where the second one is put
+ */
+export function Preview({ camera, eye, size, onSize }) {
+  const shown = useRef(null);
+  useEffect(() => { for (const video of [shown.current, eye.current]) if (video) video.srcObject = camera.stream; }, [camera.stream, camera.trouble]);
   if (camera.trouble) return html`<${Notice} kind="warn">${WAYS_OUT[camera.trouble.kind]}
     ${camera.trouble.kind === "failed" && html`<p>${camera.trouble.message}</p>`}
     ${camera.trouble.kind !== "insecure" && html`<p><${Button} onClick=${camera.again}>Try again</${Button}></p>`}</${Notice}>`;
-  const measured = () => onSize({ width_px: video.current.videoWidth, height_px: video.current.videoHeight });
+  const measured = () => onSize({ width_px: eye.current.videoWidth, height_px: eye.current.videoHeight });
   return html`<div class="phone-view">
-    <video ref=${video} playsinline muted autoplay aria-label="What the camera sees" onLoadedMetadata=${measured} onResize=${measured}></video>
+    <video ref=${shown} playsinline muted autoplay aria-label="What the camera sees"></video>
+    <video class="phone-eye" ref=${eye} playsinline muted autoplay aria-hidden="true" tabindex="-1" onLoadedMetadata=${measured} onResize=${measured}></video>
     ${!camera.stream ? html`<p class="phone-starting"><${Busy} /> starting the camera</p>` : size && html`<span class="phone-chip number">${size.width_px} × ${size.height_px}</span>`}
   </div>`;
 }

@@ -12,17 +12,17 @@ const PHOTOGRAPHS = "scattermark:photographs";
  */
 export function useEye(site_id, cameras) {
   const camera = useCamera(true);
-  const video = useRef(null);
+  const eye = useRef(null); // the video that pictures are taken from
   const [size, setSize] = useState(null);
   const [chosen, choose] = useCameraChoice(site_id, camera.lens?.label ?? "", size ? `${size.width_px}x${size.height_px}` : "");
   const photo = usePhotographs(camera.stream);
   const record = cameras.find((one) => one.camera_id === chosen);
   return {
-    camera, video, size, setSize, photo, chosen, choose,
+    camera, eye, size, setSize, photo, chosen, choose,
     ready: Boolean(camera.stream && size),
     /** A record that shows another cut of the sensor would be refused: then the service decides. */
     recordFor: ({ width_px, height_px }) => (record && fits(record, width_px, height_px) ? record.camera_id : null),
-    take: (once) => (once && photo?.wanted ? photoOf(camera.stream.getVideoTracks()[0], photo.size) : frameOf(video.current)),
+    take: (once) => (once && photo?.wanted ? photoOf(camera.stream.getVideoTracks()[0], photo.size) : frameOf(eye.current)),
   };
 }
 
