@@ -12,15 +12,15 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from app.vision.kernels.ellipses import fit_ellipses
 from app.vision.kernels.labels import label_blobs
 from app.vision.kernels.peaks import TILE_COLUMNS, TILE_ROWS
 from app.vision.kernels.redness import measure_redness, shares_of
 from app.vision.kernels.rings import measure_contrast
+from app.vision.kernels.whites import brighter_than
 
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
-
-PIXEL_VARIANCE_PX2 = 1.0 / 12.0  # of a pixel's own square
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,11 @@ def find_red_blobs(bgr: Pixels, options: DotOptions = DotOptions()) -> Blobs:
     """Blobs of red pixels in a photograph of shape (H, W, 3)."""
     redness, hot = _redness(bgr, options)
     moments = label_blobs(redness, hot, np.uint8(options.red_floor))
+    centres_px, semi_axes_px = np.empty((2, len(moments), 2))
     least, most = options.area_px2
-    centres_px, semi_axes_px = _ellipses(moments[(moments[:, 0] >= least) & (moments[:, 0] <= most)])
-    round_enough = semi_axes_px[:, 0] <= options.axis_ratio_max * semi_axes_px[:, 1]
-    centres_px, semi_axes_px = centres_px[round_enough], semi_axes_px[round_enough]
-    contrast = np.empty(len(centres_px))
+    kept = fit_ellipses(moments, (float(least), float(most), options.axis_ratio_max), centres_px, semi_axes_px)
+    centres_px, semi_axes_px = centres_px[:kept], semi_axes_px[:kept]
+    contrast = np.empty(kept)
     reach_px = options.ring_axes * semi_axes_px[:, 0]
     measure_contrast(redness, centres_px, reach_px, unit_circle(options.ring_points), options.ring_fraction, contrast)
     strongest = np.argsort(-contrast, kind="stable")[: options.blobs_max]
@@ -127,18 +127,5 @@ def sample_rows(pixels: Pixels, points_px: Array) -> Array:
 
 def _red_gain(bgr: Pixels, options: DotOptions) -> float:
     """What takes the photograph's white in red to its green and blue (white patch on a sparse grid)."""
-    sparse = bgr[:: options.sparse_step_px, :: options.sparse_step_px].reshape(-1, 3)
-    rank = int(options.white_percentile / 100.0 * (len(sparse) - 1))
-    blue, green, red = np.partition(sparse, rank, axis=0)[rank].astype(np.float64)
+    blue, green, red = brighter_than(bgr, options.sparse_step_px, options.white_percentile / 100.0)
     return float(np.clip(max(blue, green, 1.0) / max(red, 1.0), *options.red_gain))
-
-
-def _ellipses(moments: Array) -> tuple[Array, Array]:
-    """Centres and semi-axes, each of shape (N, 2), from moments of shape (N, 6)."""
-    count, x, y, xx, yy, xy = moments.T
-    centre_x, centre_y = x / count, y / count
-    xx, yy, xy = xx / count - centre_x**2, yy / count - centre_y**2, xy / count - centre_x * centre_y
-    mean, spread = (xx + yy) / 2.0 + PIXEL_VARIANCE_PX2, np.hypot((xx - yy) / 2.0, xy)
-    # A filled ellipse has a variance of a quarter of its squared semi-axis.
-    semi_axes_px = 2.0 * np.sqrt(np.stack([mean + spread, mean - spread], axis=1))
-    return np.stack([centre_x, centre_y], axis=1), semi_axes_px

@@ -128,7 +128,8 @@ def judge_plates(
     """
     rms_px = misfit_px(dots, refined)
     base = fits.amplitudes[:, BASE]
-    mean_red = np.maximum(np.median(base[..., RED], axis=1), 1.0)
+    # In order, the middle of five is their median: ``np.median`` takes ten times as long for it.
+    mean_red = np.maximum(np.sort(base[..., RED], axis=1)[:, len(BASE) // 2], 1.0)
     uneven = np.sort(np.abs(base[..., RED] - inks.red_level[:, BASE]), axis=1)[:, options.base_dots_min - 1]
     allowed_px = np.hypot(options.misfit_max_u * fits.px_per_u, options.misfit_noise_px)
     measured_base = dots.measured[:, BASE].sum(axis=1)
@@ -162,10 +163,9 @@ def lacks_red(fits: PlateFits, inks: InkReading, options: JudgementOptions = Jud
 def _red_digits(fits: PlateFits, inks: InkReading, options: JudgementOptions) -> Mask:
     """Which identification dots are printed in the base dots' red, shape (P, 11)."""
     red_min, off_red_max = options.red_digit
-    digits = fits.amplitudes[:, DIGITS]
-    bright = digits[..., RED] > red_min * inks.red_level[:, DIGITS]
-    result: Mask = bright & (digits[..., :RED].max(axis=2) < off_red_max * digits[..., RED])
-    return result
+    blue, green, red = np.moveaxis(fits.amplitudes, 2, 0)
+    result: Mask = (red > red_min * inks.red_level) & (np.maximum(blue, green) < off_red_max * red)
+    return result[:, DIGITS]
 
 
 def misfit_px(dots: DotCentres, image_from_plate: Array) -> Array:

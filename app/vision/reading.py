@@ -142,7 +142,7 @@ def read_plates(
     decoded = np.stack(book.family.decode_many(digits, options.max_corrections(book.strictness)), axis=1)
     least_sure = np.where(digits == HIDDEN_DIGIT, np.inf, plates.inks.confidence).min(axis=1)
     unchecked = (hidden > 0) & (hidden >= book.family.distance - 1) & (least_sure < options.sure_min)
-    measured = plates.dots.measured & _show_their_ink(decoded[:, 0], digits)
+    measured = list(plates.dots.measured & _show_their_ink(decoded[:, 0], digits))
     explained = plates.fits.explained()
     reasons = plates.judgement.reasons
     spoilt, unsure = (hidden >= book.family.distance).tolist(), unchecked.tolist()

@@ -28,19 +28,16 @@ def _share_of_crossing(s: float) -> float:
     return (position_f + 1.0) / (s + 1.0)
 
 
-@compiled("UniTuple(float64, 2)(float64[::1], float64[::1], UniTuple(float64, 5))")
-def _along_diagonal(a_px: Array, c_px: Array, bounds: Bounds) -> tuple[float, float]:
+@compiled("UniTuple(float64, 2)(UniTuple(float64, 4), UniTuple(float64, 2), UniTuple(float64, 5))")
+def _along_diagonal(a_px: tuple[float, ...], c_px: tuple[float, float], bounds: Bounds) -> tuple[float, float]:
     """|EC| over |EA| if C lies beyond E on the line from A, about twice as far, else 0; how much depth may change.
 
-    ``a_px`` and ``c_px`` are the ways from E.
+    ``a_px`` and ``c_px`` are the ways from E, the first with its square and its length.
     """
     focal_px, depth_slope, noise_px, lateral_max, lateral_px = bounds
-    towards = -(a_px[0] * c_px[0] + a_px[1] * c_px[1])
-    if towards <= 0.0:
-        return 0.0, 0.0
-    square = a_px[0] * a_px[0] + a_px[1] * a_px[1]
-    length = np.sqrt(square)
-    if abs(a_px[0] * c_px[1] - a_px[1] * c_px[0]) >= lateral_max * towards + lateral_px * length:
+    ax, ay, square, length = a_px
+    towards = -(ax * c_px[0] + ay * c_px[1])
+    if towards <= 0.0 or abs(ax * c_px[1] - ay * c_px[0]) >= lateral_max * towards + lateral_px * length:
         return 0.0, 0.0
     along = towards / square
     # Perspective stretches the far or the near part of a diagonal by no more than the depth changes along it.
@@ -50,36 +47,41 @@ def _along_diagonal(a_px: Array, c_px: Array, bounds: Bounds) -> tuple[float, fl
     return (along, depth_ratio) if stands else (0.0, 0.0)
 
 
-@compiled("int64(float64[:, ::1], int64, UniTuple(int64, 2), UniTuple(float64, 8), int64[:, :])")
-def _face_each_other(ways_px: Array, around: int, line: tuple[int, int], bounds: Bounds, found: Indices) -> int:
-    """Slots of A, B, C, D of which B and D face each other through f, B clockwise from A, written; their number.
+@compiled("UniTuple(int64, 2)(float64[:, ::1], int64, UniTuple(int64, 2), UniTuple(float64, 4), float64[:, :, ::1])")
+def _part_sides(ways_px: Array, around: int, line: tuple[int, int], bounds: Bounds, sides: Array) -> tuple[int, int]:
+    """Blobs on either side of the line from A to C, within reach of f: slot, way from f and its square, written.
 
-    All as ways from E; ``line`` holds A and C, ``bounds`` begins with f's place and how much depth may change.
+    Those clockwise from A come first; returns how many there are on each side.
     """
-    fx, fy, depth_ratio, noise_px, facing_max, facing_px, least, most = bounds
+    fx, fy, least, most = bounds
     a, c = line
     ax, ay = ways_px[a, 0] - fx, ways_px[a, 1] - fy
-    half_px = np.sqrt(ax * ax + ay * ay)
-    nearest, farthest = (least * half_px) ** 2, (most * half_px) ** 2
-    count = 0
-    for b in range(around):
-        bx, by = ways_px[b, 0] - fx, ways_px[b, 1] - fy
-        square_b = bx * bx + by * by
-        if b in (a, c) or ax * by - ay * bx <= 0.0 or square_b <= nearest or square_b >= farthest:
+    half2 = ax * ax + ay * ay
+    nearest, farthest = least * least * half2, most * most * half2
+    right, left = 0, 0
+    for slot in range(around):
+        x, y = ways_px[slot, 0] - fx, ways_px[slot, 1] - fy
+        square, side = x * x + y * y, ax * y - ay * x
+        if square <= nearest or square >= farthest or side == 0.0 or slot in (a, c):
             continue
-        for d in range(around):
-            dx, dy = ways_px[d, 0] - fx, ways_px[d, 1] - fy
-            square_d = dx * dx + dy * dy
-            if d in (a, c) or bx * dx + by * dy >= 0.0 or ax * dy - ay * dx >= 0.0:
-                continue
-            if square_d <= nearest or square_d >= farthest:
-                continue
-            shorter, longer = np.sqrt(min(square_b, square_d)), np.sqrt(max(square_b, square_d))
-            sine = abs(bx * dy - by * dx) / (shorter * longer)
-            if longer < depth_ratio * shorter + noise_px and sine < facing_max + facing_px / shorter:
-                found[count, 0], found[count, 1], found[count, 2], found[count, 3] = a, b, c, d
-                count += 1
-    return count
+        number = right if side > 0.0 else left
+        entry = sides[0 if side > 0.0 else 1, number]
+        entry[0], entry[1], entry[2], entry[3] = slot, x, y, square
+        right, left = right + (side > 0.0), left + (side < 0.0)
+    return right, left
+
+
+@compiled("boolean(float64[::1], float64[::1], UniTuple(float64, 4))")
+def _face_each_other(b: Array, d: Array, bounds: Bounds) -> bool:
+    """Whether two blobs, as ``_part_sides`` leaves them, lie on opposite sides of f, about equally far."""
+    depth_ratio, noise_px, facing_max, facing_px = bounds
+    if b[1] * d[1] + b[2] * d[2] >= 0.0:
+        return False
+    shorter, longer = np.sqrt(min(b[3], d[3])), np.sqrt(max(b[3], d[3]))
+    if longer >= depth_ratio * shorter + noise_px:
+        return False
+    sine = abs(b[1] * d[2] - b[2] * d[1]) / (shorter * longer)
+    return sine < facing_max + facing_px / shorter
 
 
 @compiled("int64(float64[:, ::1], int64[:, ::1], int64, float64[:, ::1])")
@@ -93,20 +95,28 @@ def _ways_from(centres_px: Array, nearest: Indices, e: int, ways_px: Array) -> i
     return around
 
 
-@compiled("int64(float64[:, ::1], int64, int64, UniTuple(float64, 9), int64[:, ::1])")
-def _plates_with(ways_px: Array, around: int, a: int, bounds: Bounds, found: Indices) -> int:
+@compiled("int64(float64[:, ::1], int64, int64, UniTuple(float64, 9), Tuple((float64[:, :, ::1], int64[:, ::1])))")
+def _plates_with(ways_px: Array, around: int, a: int, bounds: Bounds, room: tuple[Array, Indices]) -> int:
     """Slots of A, B, C, D around an E with a given A, written; their number."""
     focal_px, slope, noise_px, lateral_max, lateral_px, facing_max, facing_px, least, most = bounds
-    line = (focal_px, slope, noise_px, lateral_max, lateral_px)
-    count = 0
+    line, (sides, found) = (focal_px, slope, noise_px, lateral_max, lateral_px), room
+    ax, ay, count = ways_px[a, 0], ways_px[a, 1], 0
+    square = ax * ax + ay * ay
+    way_to_a = (ax, ay, square, np.sqrt(square))
     for c in range(around):
-        along, depth_ratio = _along_diagonal(ways_px[a], ways_px[c], line)
-        if along > 0.0:
-            share = _share_of_crossing(along)
-            fx = ways_px[a, 0] + share * (ways_px[c, 0] - ways_px[a, 0])
-            fy = ways_px[a, 1] + share * (ways_px[c, 1] - ways_px[a, 1])
-            faces = (fx, fy, depth_ratio, noise_px, facing_max, facing_px, least, most)
-            count += _face_each_other(ways_px, around, (a, c), faces, found[count:])
+        cx, cy = ways_px[c, 0], ways_px[c, 1]
+        along, depth_ratio = _along_diagonal(way_to_a, (cx, cy), line)
+        if along <= 0.0:
+            continue
+        share = _share_of_crossing(along)
+        reach = (ax + share * (cx - ax), ay + share * (cy - ay), least, most)
+        right, left = _part_sides(ways_px, around, (a, c), reach, sides)
+        for b in range(right):
+            for d in range(left):
+                if _face_each_other(sides[0, b], sides[1, d], (depth_ratio, noise_px, facing_max, facing_px)):
+                    found[count, 0], found[count, 1] = a, np.int64(sides[0, b, 0])
+                    found[count, 2], found[count, 3] = c, np.int64(sides[1, d, 0])
+                    count += 1
     return count
 
 
@@ -129,7 +139,7 @@ def find_groups(centres_px: Array, major_px: Array, nearest: Indices, bounds: Bo
     """
     most = nearest.shape[1]
     groups, ways_px = np.empty((FIRST_GROUPS, BASE_DOTS), dtype=np.int64), np.empty((most, 2))
-    found = np.empty((most**3, BASE_DOTS - 1), dtype=np.int64)
+    room = (np.empty((2, most, 4)), np.empty((most**3, BASE_DOTS - 1), dtype=np.int64))
     count = 0
     for e in range(len(nearest)):
         around = _ways_from(centres_px, nearest, e, ways_px)
@@ -137,12 +147,12 @@ def find_groups(centres_px: Array, major_px: Array, nearest: Indices, bounds: Bo
             pitch = np.sqrt(ways_px[a, 0] ** 2 + ways_px[a, 1] ** 2) / major_px[e]
             if not bounds[0] < pitch < bounds[1]:
                 continue
-            added = _plates_with(ways_px, around, a, bounds[2:], found)
+            added = _plates_with(ways_px, around, a, bounds[2:], room)
             while count + added > len(groups):
                 groups = np.concatenate((groups, np.empty(groups.shape, dtype=np.int64)))
             for place in range(added):
                 for dot in range(BASE_DOTS - 1):
-                    groups[count, dot] = nearest[e, found[place, dot]]
+                    groups[count, dot] = nearest[e, room[1][place, dot]]
                 groups[count, BASE_DOTS - 1] = e
                 count += 1
     return groups[:count]
