@@ -17,6 +17,7 @@ from app.geometry.observations import TargetObservation
 from app.geometry.pose import Pose
 from app.geometry.rotation import log_rotation
 from app.geometry.target_map import TargetMap
+from app.photogrammetry.kernels.movements import step_movements
 from app.photogrammetry.planar_pose import planar_poses
 from app.photogrammetry.resection import Resection
 from app.photogrammetry.resection_equations import OWN_COUNT, CameraPrior, State, linearise
@@ -178,14 +179,14 @@ class _Look:
         """Movements after one step from a start, of those targets whose six numbers the dots determine."""
         exact = CameraPrior(self.camera, np.zeros((INTRINSIC_COUNT, INTRINSIC_COUNT)))
         equations = linearise(sighted, exact, State(self.site_from_cam, np.zeros(INTRINSIC_COUNT)))
-        information = equations.gram[:, :OWN_COUNT, :OWN_COUNT]
-        scale = np.sqrt(np.maximum(np.einsum("kii->ki", information), np.finfo(np.float64).tiny))
-        scaled = information / (scale[:, :, None] * scale[:, None, :])
-        sound = equations.seen_from_front & (np.linalg.eigvalsh(scaled)[:, 0] > self.options.least_condition)
-        right = (equations.gram[:, :OWN_COUNT, -1] / scale)[sound, :, None]
-        steps = -np.linalg.solve(scaled[sound], right)[..., 0] / scale[sound]
+        determined, steps = np.empty(len(sighted), dtype=np.bool_), np.empty((len(sighted), OWN_COUNT))
+        step_movements(equations.gram, self.options.least_condition, determined, steps)
+        sound = equations.seen_from_front & determined
         return Movements(
-            sighted.codes[sound], np.full(int(sound.sum()), used), start[sound] + steps, information[sound]
+            sighted.codes[sound],
+            np.full(int(sound.sum()), used),
+            (start + steps)[sound],
+            equations.gram[sound, :OWN_COUNT, :OWN_COUNT],
         )
 
 

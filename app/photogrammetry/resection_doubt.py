@@ -118,5 +118,5 @@ def _spread(adjusted: AdjustedState, weights: Array, without: Array, steps: Arra
     everyone = adjusted.covariance[pose, pose]
     steps = steps[:, pose]
     mean = weights @ steps
-    lost = np.tensordot(weights, without[:, pose, pose] - everyone, axes=1)
+    lost = (weights[:, None, None] * (without[:, pose, pose] - everyone)).sum(axis=0)
     return np.asarray(lost + (steps.T * weights) @ steps - np.outer(mean, mean))

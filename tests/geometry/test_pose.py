@@ -71,6 +71,8 @@ def test_rotations_stay_proper_after_many_steps() -> None:
     [
         (np.diag([1.0, 1.0, -1.0]), np.zeros(3)),
         (np.eye(3) * 1.01, np.zeros(3)),
+        (np.eye(3) + 2e-6 * np.eye(3)[[1, 0, 2]], np.zeros(3)),
+        (np.diag([1.0, 1.0, 1.0 + 2e-6]), np.zeros(3)),
         (np.eye(3), np.array([0.0, np.nan, 0.0])),
         (np.eye(3), np.zeros(2)),
         (np.eye(2), np.zeros(3)),

@@ -89,6 +89,20 @@ def test_a_flat_minimum_is_widened_and_a_sharp_one_is_not() -> None:
     assert greatest_widening(single(3.5, 0.0)) > 1.5
 
 
+def test_rounding_does_not_decide_how_far_a_flat_minimum_is_widened() -> None:
+    scene = single(2.0, 0.05)
+    prior, rng = CameraPrior.of(scene.camera), np.random.default_rng(7)
+    observation, widenings = observe(scene, rng)[0], []
+    for _ in range(6):
+        # 1e-9 px is nothing to a dot of 0.08 px, and ten thousand times the rounding of its coordinates.
+        shaken = replace(observation, centres_px=observation.centres_px + rng.normal(0.0, 1e-9, (16, 2)))
+        seen = sight_targets([shaken], scene.target_map)
+        adjusted = adjust_pose(seen, prior, State(scene.site_from_cam, np.zeros(9)))
+        widenings.append(pose_uncertainty(seen, prior, adjusted).widening)
+    assert widenings[0] > 1.0
+    np.testing.assert_allclose(widenings, widenings[0], rtol=1e-6)
+
+
 def test_covariance_is_scaled_when_dots_scatter_more_than_they_say() -> None:
     scene = room_scene(10, 2)
     rng = np.random.default_rng(0)

@@ -39,7 +39,7 @@ def _whiten(whitener: Array, pair: Array) -> None:
 
 
 @compiled("void(float64[:, ::1], float64[::1], float64[:, ::1], float64[:, ::1])")
-def _fill_own(rotation: Array, arm_m: Array, by_point: Array, pair: Array) -> None:
+def fill_movement(rotation: Array, arm_m: Array, by_point: Array, pair: Array) -> None:
     """Derivatives of a dot's image by its target's movement, the first six columns of two rows.
 
     The movement ``translation + rotation x arm`` moves the image by ``d`` and ``arm x d``, where d is the image's
@@ -105,7 +105,7 @@ def _fill_target(
             imaged = False
             cam_m[0], cam_m[1], cam_m[2] = 0.0, 0.0, 1.0  # has no image; its target is marked
         u, v = linearise_projection(intrinsics, cam_m, by_point, by_intrinsics)
-        _fill_own(rotation, arms_m[dot], by_point, pair)
+        fill_movement(rotation, arms_m[dot], by_point, pair)
         pair[:, OWN : COLUMNS - 1] = by_intrinsics
         pair[0, -1], pair[1, -1] = u - observed_px[dot, 0], v - observed_px[dot, 1]
         _whiten(whiteners[dot], pair)

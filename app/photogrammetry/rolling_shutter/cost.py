@@ -17,6 +17,8 @@ from app.geometry.observations import TargetObservation
 from app.geometry.pose import Pose
 from app.geometry.readout import Readout
 from app.geometry.target_map import TargetMap
+from app.photogrammetry.kernels.lateness import sum_lateness
+from app.photogrammetry.resection_equations import POSE_COUNT
 
 Array = npt.NDArray[np.float64]
 
@@ -53,13 +55,9 @@ def motion_cost(
     measured = np.concatenate([seen.measured for seen in observations])
     dots_m = np.concatenate([target_map.by_code[seen.code].dots_m for seen in observations])[measured]
     image_px = np.concatenate([seen.centres_px for seen in observations])[measured]
-    from_cam_m = dots_m - site_from_cam.position_m
-    _, by_cam, _ = camera.camera.project_with_jacobians(from_cam_m @ site_from_cam.rotation)
-    by_site = by_cam @ site_from_cam.rotation.T
-    rows = np.concatenate([by_site, np.cross(from_cam_m[:, None], by_site)], axis=-1)
     times_s = readout.times_s(image_px, camera.camera.width_px, camera.camera.height_px)
-    late = (rows * times_s[:, None, None]).reshape(-1, rows.shape[-1])
-    flat = rows.reshape(late.shape)
-    follows = np.linalg.lstsq(flat.T @ flat, flat.T @ late, rcond=None)[0][:3]
+    normals, late = np.empty((POSE_COUNT, POSE_COUNT)), np.empty((POSE_COUNT, POSE_COUNT))
+    sum_lateness((*site_from_cam.arrays, camera.camera.intrinsics.copy()), dots_m, times_s, (normals, late))
+    follows = np.linalg.lstsq(normals, late, rcond=None)[0][:3]
     by_speed, by_turn = (float(np.linalg.norm(part, ord=2)) for part in (follows[:, :3], follows[:, 3:]))
     return MotionCost(readout.duration_s, by_speed, by_turn)
