@@ -58,6 +58,8 @@ class BuildingOptions:
         Scatter of where they look.
     upright_every : int
         Every so many photographs the phone is turned upright, which a self-calibration needs.
+    lengthwise : bool
+        Whether every fourth photograph of a corridor looks along it; if not, each shows the wall across alone.
     """
 
     wings: int = 1
@@ -82,6 +84,7 @@ class BuildingOptions:
     eye_jitter_m: float = 0.15
     aim_jitter_rad: float = 0.1
     upright_every: int = 4
+    lengthwise: bool = True
 
     @property
     def pitch_m(self) -> float:
@@ -228,8 +231,9 @@ def _bay_stations(options: BuildingOptions, corner_m: Array, rng: np.random.Gene
             yield _station(door_m + np.array([aside_m, -1.0 * towards]), towards * QUARTER_TURN_RAD, 1, (options, rng))
 
 
-# Off a wall's normal: obliquely either way, nearly across, and along the corridor, which ties its walls together.
+# Off a wall's normal: obliquely either way, along the corridor, which ties its walls together, and nearly across.
 ASIDE_RAD = tuple(np.deg2rad([30.0, -30.0, 90.0, 10.0]))
+WALL_BY_WALL_RAD = tuple(np.deg2rad([30.0, -30.0, -10.0, 10.0]))
 FROM_WALL_M = 0.5
 
 
@@ -240,7 +244,8 @@ def _corridor_station(
     side = 1.0 if number % 2 == 0 else -1.0
     facing_rad = along_rad + side * QUARTER_TURN_RAD
     back_m = (how[0].corridor_m / 2.0 - FROM_WALL_M) * np.array([np.cos(facing_rad), np.sin(facing_rad)])
-    return _station(at_m - back_m, facing_rad + ASIDE_RAD[number // 2 % len(ASIDE_RAD)], number // 2, how)
+    aside_rad = ASIDE_RAD if how[0].lengthwise else WALL_BY_WALL_RAD
+    return _station(at_m - back_m, facing_rad + aside_rad[number // 2 % len(aside_rad)], number // 2, how)
 
 
 def _station(at_m: Array, heading_rad: float, number: int, how: tuple[BuildingOptions, np.random.Generator]) -> Pose:

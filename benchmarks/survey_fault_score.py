@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -57,6 +57,7 @@ def score_faults(seeds: range) -> Iterator[FaultScore]:
     """Every kind of fault in every layout and building."""
     sounds = [_sound(options, seed) for options in LAYOUTS.values() for seed in seeds]
     clean = [_adjusted(Faulty(sound.photos, sound.control)) for sound in sounds]
+    sounds = [_with_detectable(*pair) for pair in zip(sounds, clean, strict=True)]
     for kind, spoil in FAULTS.items():
         scores = []
         for sound, result in zip(sounds, clean, strict=True):
@@ -70,7 +71,13 @@ def _sound(options: BuildingOptions, seed: int) -> Sound:
     building = build_building(options, seed)
     photos = photograph(building, ViewOptions(), seed)
     control = spread_control(building, (CONTROL_POINTS, CHECK_POINTS), CONTROL_SIGMA_M, seed)
-    return Sound(building, photos, control, seed)
+    return Sound(options, building, photos, control, seed)
+
+
+def _with_detectable(sound: Sound, result: SurveyResult | InvalidControlPoints) -> Sound:
+    assert isinstance(result, SurveyResult)
+    known = {target.code: target.detectable_m for target in result.report.targets}
+    return replace(sound, detectable_m={code: least_m for code, least_m in known.items() if least_m is not None})
 
 
 def _adjusted(faulty: Faulty) -> SurveyResult | InvalidControlPoints:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from app.geometry.observations import TargetObservation
 from app.geometry.pose import Pose
 from app.photogrammetry.survey import SurveyPhoto
 from app.targets.layout import dots_target_m
-from benchmarks.building import Building
+from benchmarks.building import Building, BuildingOptions, build_building
 from benchmarks.building_views import U_M, ViewOptions, photograph
 
 Array = npt.NDArray[np.float64]
@@ -57,12 +57,14 @@ class Faulty:
 
 @dataclass(frozen=True)
 class Sound:
-    """A survey without faults, and what it takes to photograph it again."""
+    """A survey without faults, what it takes to photograph it again, and from what movement on plates are found."""
 
+    options: BuildingOptions
     building: Building
     photos: tuple[SurveyPhoto, ...]
     control: tuple[ControlPoint, ...]
     seed: int
+    detectable_m: Mapping[int, float] = field(default_factory=dict)
 
     def often_seen(self, count: int, rng: np.random.Generator) -> list[int]:
         """Some plates that enough photographs show and that carry no control point."""
@@ -105,28 +107,45 @@ def moved(distance_m: float, count: int = 3) -> Fault:
     """Plates pushed along their wall when half of the photographs that show them were taken."""
 
     def spoil(sound: Sound, rng: np.random.Generator) -> Faulty:
-        codes = sound.often_seen(count, rng)
-        plates = dict(sound.building.plates)
-        for code in codes:
-            plates[code] = Pose(
-                plates[code].rotation, plates[code].position_m + distance_m * plates[code].rotation[:, 0]
-            )
-        later = sound.again(replace(sound.building, plates=plates))
-        new = {(photo.name, seen.code): seen for photo in later for seen in photo.detection.targets}
-        showing = {
-            code: [photo.name for photo in sound.photos if any(one.code == code for one in photo.detection.targets)]
-            for code in codes
-        }
-        after = {(name, code) for code, names in showing.items() for name in names[len(names) // 2 :]}
-        photos = []
-        for photo in sound.photos:
-            keys = [(photo.name, seen.code) for seen in photo.detection.targets]
-            pairs = zip(keys, photo.detection.targets, strict=True)
-            targets = tuple(new.get(key, seen) if key in after else seen for key, seen in pairs)
-            photos.append(replace(photo, detection=replace(photo.detection, targets=targets)))
-        return Faulty(tuple(photos), sound.control, targets=frozenset(codes), reason="moved")
+        return _pushed(sound, dict.fromkeys(sound.often_seen(count, rng), distance_m))
 
     return spoil
+
+
+def moved_detectably(factor: float, count: int = 6) -> Fault:
+    """Published plates pushed by so many times their least detectable displacement, after half of their sightings."""
+
+    def spoil(sound: Sound, rng: np.random.Generator) -> Faulty:
+        codes = [code for code in sound.often_seen(2 * count, rng) if code in sound.detectable_m][:count]
+        return _pushed(sound, {code: factor * sound.detectable_m[code] for code in codes})
+
+    return spoil
+
+
+def _pushed(sound: Sound, distances_m: Mapping[int, float]) -> Faulty:
+    plates = dict(sound.building.plates)
+    for code, distance_m in distances_m.items():
+        plates[code] = Pose(plates[code].rotation, plates[code].position_m + distance_m * plates[code].rotation[:, 0])
+    later = sound.again(replace(sound.building, plates=plates))
+    new = {(photo.name, seen.code): seen for photo in later for seen in photo.detection.targets}
+    showing = {
+        code: [photo.name for photo in sound.photos if any(one.code == code for one in photo.detection.targets)]
+        for code in distances_m
+    }
+    after = {(name, code) for code, names in showing.items() for name in names[len(names) // 2 :]}
+    photos = []
+    for photo in sound.photos:
+        keys = [(photo.name, seen.code) for seen in photo.detection.targets]
+        pairs = zip(keys, photo.detection.targets, strict=True)
+        targets = tuple(new.get(key, seen) if key in after else seen for key, seen in pairs)
+        photos.append(replace(photo, detection=replace(photo.detection, targets=targets)))
+    return Faulty(tuple(photos), sound.control, targets=frozenset(distances_m), reason="moved")
+
+
+def wall_by_wall(sound: Sound, _rng: np.random.Generator) -> Faulty:
+    """No plate is wrong, but every photograph of a corridor shows the wall across alone."""
+    building = build_building(replace(sound.options, lengthwise=False), sound.seed)
+    return Faulty(photograph(building, ViewOptions(), sound.seed), sound.control)
 
 
 def bent(height_m: float, count: int = 3) -> Fault:
@@ -228,6 +247,8 @@ FAULTS: dict[str, Fault] = {
     "1 % of codes misread": misread(0.01),
     "3 plates moved by 50 mm": moved(0.05),
     "3 plates moved by 10 mm": moved(0.01),
+    "6 plates moved as far as is detectable": moved_detectably(1.0),
+    "6 plates moved twice as far": moved_detectably(2.0),
     "3 plates bent by 5 mm": bent(0.005),
     "3 plates of 10 mm module": resized(10.0 / 14.0),
     "3 plates printed at 97 %": resized(0.97),
@@ -237,4 +258,5 @@ FAULTS: dict[str, Fault] = {
     "1 control point off by 30 mm": mistyped_control(0.03),
     "2 photographs of 10 % zoom": zoomed(1.1),
     "2 photographs of another room": elsewhere,
+    "corridors wall by wall": wall_by_wall,
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,7 @@ from app.photogrammetry.network import Network
 from app.photogrammetry.plate_faults import PlateFits
 from app.photogrammetry.robust import robust_scale
 from app.photogrammetry.sightings import Sightings
+from app.photogrammetry.split_targets import SplitOptions
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.intp]
@@ -48,6 +49,7 @@ class QualityOptions:
         Adjustments after which no more is left out: the worst goes first, and what it hid later.
     most_regroupings : int
         Adjustments more in which plates may change their print batch.
+    split : SplitOptions
     """
 
     gross_sigmas: float = 5.0
@@ -61,6 +63,7 @@ class QualityOptions:
     least_angle_rad: float = float(np.deg2rad(5.0))
     most_rounds: int = 15
     most_regroupings: int = 4
+    split: SplitOptions = field(default_factory=SplitOptions)
 
 
 def residual_scale(problem: BundleProblem, squared: Array, options: QualityOptions) -> float:
