@@ -13,8 +13,8 @@ from app.settings import Settings
 from tests.api.serving import Served, serve
 from tests.web.chromium import ARGUMENTS, NoBrowser, find_chromium
 from tests.web.prebuilt import Room, surveyed_room
+from tests.web.waiting import PATIENCE_MS
 
-PATIENCE_MS = 60_000  # machines that run tests are loaded
 DESK = {"width": 1280, "height": 860}
 expect.set_options(timeout=PATIENCE_MS)
 

@@ -11,6 +11,7 @@ from tests.api.serving import Served
 from tests.web.conftest import watched_context
 from tests.web.prebuilt import Room
 from tests.web.screenshots import keep_screenshot
+from tests.web.waiting import wait_until
 
 NAME = "IMG_0000.jpg"
 MARK_TOLERANCE_PX = 1.0  # of the photograph, at a zoom where a screen pixel is less than half of that
@@ -63,7 +64,7 @@ def test_a_photograph_is_moved_and_zoomed_by_wheel_keys_and_buttons(page: Page, 
     open_photo(page, web_room)
     surface = page.get_by_role("application")
     expect(page.get_by_role("button", name="Mark in the photograph")).to_be_visible()  # from here on nothing moves
-    page.wait_for_function(FRAMED)
+    wait_until(page, FRAMED)
     whole, box = surface.get_attribute("viewBox"), surface.bounding_box()
     assert whole and box
     page.mouse.move(box["x"] + 200, box["y"] + 150)

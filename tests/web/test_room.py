@@ -1,25 +1,27 @@
 """The room in three dimensions: what is drawn, what is picked, what it costs; and the same facts without it."""
 
-import os
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
+from scipy.spatial.transform import Rotation
 
 from app.targets.family import family_by_name
+from app.trajectories.robotics_formats import tum_text
+from app.trajectories.trajectory import Trajectory
 from app.vision.detector import detect
 from app.vision.photo import load_photo
 from tests.api.serving import Served
+from tests.api.test_trajectory_import import imported
 from tests.web.conftest import watched_context
 from tests.web.large_site import PHOTOS, POSES, TARGETS, large_site
-from tests.web.prebuilt import Room
+from tests.web.prebuilt import Room, surveyed_room
+from tests.web.screenshots import keep_screenshot
 
 # Grid, axes, plates, codes, ellipsoids, frusta, points, poses with and without a direction, ring, rays.
 STILL_FRAMES = 30
 DRAW_CALLS = 11
-SCREENSHOT = Path(__file__).parents[2] / "docs" / "images" / "room.png"
 NO_WEBGL = """const context = HTMLCanvasElement.prototype.getContext;
 HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
   return kind.startsWith("webgl") ? null : context.call(this, kind, ...rest);
@@ -76,8 +78,28 @@ def test_a_surveyed_room_is_looked_at_and_picked(page: Page, web_room: Room, web
     expect(facts.get_by_role("heading", name=f"Target {target['code']}")).to_be_visible()
     page.get_by_role("button", name="Fit all").click()
     expect(canvas).to_have_attribute("data-view", "room")
-    if os.environ.get("SCATTERMARK_SCREENSHOTS") == "1":
-        page.screenshot(path=SCREENSHOT)
+
+
+def around_the_room() -> Trajectory:
+    """A person's walk between the walls, a pose every 0.4 s."""
+    t = np.linspace(0.0, 2.0 * np.pi, 60)
+    place_m = np.column_stack([2.5 + 1.5 * np.cos(t), 2.0 + 1.1 * np.sin(t), np.full_like(t, 1.5)])
+    turned = Rotation.from_euler("zx", np.column_stack([t, np.full_like(t, -np.pi / 2.0)]))  # ahead, and level
+    return Trajectory(1_777_600_000.0 + 0.4 * np.arange(len(t)), place_m, turned.as_quat(canonical=True))
+
+
+def test_the_whole_room_with_a_walk(page: Page, web_served: Served, tmp_path_factory: pytest.TempPathFactory) -> None:
+    room = surveyed_room(web_served, tmp_path_factory, as_new=True)
+    walk = around_the_room()
+    imported(web_served, "".join(tum_text([walk])), site_id=room.site_id, name="walk")
+    page.goto(f"/#/sites/{room.site_id}/room")
+    canvas = drawn(page)
+    page.get_by_role("button", name="Isometric", exact=True).click()
+    page.get_by_role("slider", name="Ellipsoids enlarged by").fill("6")
+    expect(canvas).to_have_attribute("data-view", "isometric")
+    expect(page.get_by_text(f"{len(walk.times_s) + 7} poses")).to_be_visible()
+    settled_calls(page)
+    keep_screenshot(page, "room")
 
 
 def settled_calls(page: Page) -> int:

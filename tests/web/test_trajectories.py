@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,9 @@ from tests.api.serving import Served, room_photos
 from tests.api.test_trajectories import black
 from tests.api.test_trajectory_import import imported
 from tests.trajectories.walks import walk
-from tests.web.conftest import PATIENCE_MS
 from tests.web.prebuilt import Room, surveyed_room
 from tests.web.screenshots import keep_screenshot
+from tests.web.waiting import wait_until
 
 # How many dots a plan draws; whether a canvas has so many pixels that something is drawn on.
 COUNT_DOTS = """() => { window.dots = 0; const arc = Path2D.prototype.arc;
@@ -34,14 +33,6 @@ INKED = """([selector, least]) => {
 def own_room(web_served: Served, tmp_path_factory: pytest.TempPathFactory) -> Room:
     """A room whose trajectories may grow."""
     return surveyed_room(web_served, tmp_path_factory, as_new=True)
-
-
-def wait_until(page: Page, ask: str, argument: object = None) -> None:
-    """Ask frame after frame; Playwright's own wait evaluates text, which the pages' policy forbids."""
-    deadline_s = time.monotonic() + PATIENCE_MS / 1000
-    while not page.evaluate(ask, argument):
-        assert time.monotonic() < deadline_s, ask
-        page.evaluate("() => new Promise(requestAnimationFrame)")
 
 
 def fact(page: Page, name: str) -> str:

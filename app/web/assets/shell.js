@@ -26,8 +26,7 @@ export function Shell({ linkError }) {
   }, []);
   const found = match(hash, routes);
   return html`<div class="shell">
-    <a class="skip" href=${`${hash || "#/"}`} onClick=${(event) => { event.preventDefault(); document.getElementById("content").focus(); }}>Skip to the content</a>
-    <${Top} found=${found} who=${who} onLeave=${() => leave().then(ask, setError)} />
+    <${Top} hash=${hash} found=${found} who=${who} onLeave=${() => leave().then(ask, setError)} />
     <main id="content" tabindex="-1" class=${found?.route.wide ? "wide" : ""}>
       <${Failure} error=${error} />
       ${who === null ? html`<${KeyForm} onOpened=${ask} />` : who === undefined ? !error && html`<p><${Busy} /> loading</p>` : html`<${Page} found=${found} who=${who} />`}
@@ -35,9 +34,10 @@ export function Shell({ linkError }) {
   </div>`;
 }
 
-function Top({ found, who, onLeave }) {
+function Top({ hash, found, who, onLeave }) {
   const shown = TOPS.filter((item) => !item.scopes || (who && may(who, ...item.scopes)));
   return html`<header class="top">
+    <a class="skip" href=${hash || "#/"} onClick=${(event) => { event.preventDefault(); document.getElementById("content").focus(); }}>Skip to the content</a>
     <a class="brand" href="#/" aria-label="Scattermark"><img src="/assets/icon.svg" alt="" /><span>Scattermark</span></a>
     <nav aria-label="Main">${shown.map((item) => html`<a href=${item.href} aria-current=${found?.route.top === item.top ? "page" : null}>${item.label}</a>`)}</nav>
     <div class="end"><a class="small" href="/docs">Calls</a><${Theme} />${who?.key_id && html`<span class="small muted">${who.name}</span><${Button} kind="plain" onClick=${onLeave}>Sign out</${Button}>`}</div>
@@ -65,7 +65,7 @@ function Page({ found, who }) {
     setError(null);
     found.route.load().then((module) => setLoaded({ route: found.route, view: module.default }), setError);
   }, [found?.route]);
-  if (!found) return html`<${Empty}>There is no such page. <a href="#/">All sites</a></${Empty}>`;
+  if (!found) return html`<h1>Not found</h1><${Empty}>There is no such page. <a href="#/">All sites</a></${Empty}>`;
   if (error) return html`<${Failure} error=${error} />`;
   if (loaded?.route !== found.route) return html`<p><${Busy} /> loading</p>`;
   return html`${found.params.site && html`<${SiteTabs} site=${found.params.site} tab=${found.route.tab} who=${who} />`}
