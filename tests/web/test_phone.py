@@ -23,7 +23,7 @@ from tests.web.conftest import Watched, watched_context
 from tests.web.filmed import fake_camera, film
 from tests.web.prebuilt import Room, surveyed_room
 from tests.web.screenshots import keep_screenshot
-from tests.web.test_trajectories import wait_until
+from tests.web.waiting import wait_until
 
 FILMED = ("IMG_0004.jpg", "IMG_0006.jpg", "IMG_0008.jpg", "IMG_0012.jpg")
 PHONE = {"width": 360, "height": 740}
@@ -149,6 +149,7 @@ def test_one_button_tells_where_one_is(phone: Phone) -> None:
     assert pose["clock_delay_s"] < 60 and abs(time.time() - kept_s(pose)) < 300
     targets = phone.served.client.get(f"/sites/{phone.room.site_id}/targets").json()["targets"]
     wait_until(page, SHOWN_AT, [[target["position_m"] for target in targets], pose["position_m"]])
+    page.set_viewport_size({**PHONE, "height": 1010})  # the whole plan with it
     keep_screenshot(page, "phone")
     page.reload()  # the choice stays, and so does what was found
     expect(answer).to_contain_text("camera: as the survey found it")
@@ -167,6 +168,7 @@ def test_a_run_becomes_a_trajectory(phone: Phone) -> None:
     page.get_by_role("button", name="Start run").click()
     expect(counted(page, "located")).to_have_text(re.compile(r"^([4-9]|\d\d+)$"))
     page.get_by_role("button", name="End run").click()
+    expect(page.get_by_role("button", name="Start run")).to_be_visible()  # the end is in the queue
     expect(queue_of(page)).to_contain_text("Nothing waits")
     ended_s = time.time()
     (walk,) = phone.trajectories(page)
@@ -196,16 +198,24 @@ def test_pictures_wait_for_the_network(phone: Phone) -> None:
     waiting = int(counted(again, "waiting").inner_text())
     assert waiting >= 3
     again.get_by_role("button", name="End run").click()
+    expect(again.get_by_role("button", name="Start run")).to_be_visible()
     lost: list[str] = []
     phone.context.route("**/locate", lambda route: lose_the_first_answer(route, lost))
     phone.context.set_offline(False)
     expect(queue_of(again)).to_contain_text("Nothing waits")
     expect(again.get_by_text("No network")).to_have_count(0)
+    assert_newest_is_shown(again)
     (walk,) = phone.trajectories(again)
     assert lost and walk["closed_at"] is not None
     assert walk["pose_count"] + walk["failure_count"] == waiting
     assert len({pose["snapshot_id"] for pose in walk["poses"]}) == walk["pose_count"]
     assert all(begun_s - 1 <= kept_s(pose) <= paused_s for pose in walk["poses"])
+
+
+def assert_newest_is_shown(page: Page) -> None:
+    """With a network its word counts, not what the service worker keeps."""
+    page.context.route("**/assets/icon.svg", lambda route: route.fulfill(body="newer"))
+    assert page.evaluate("fetch('/assets/icon.svg').then((answer) => answer.text())") == "newer"
 
 
 def lose_the_first_answer(route: Route, lost: list[str]) -> None:

@@ -51,7 +51,7 @@ export function useCamera(wanted) {
   useEffect(() => {
     if (!wanted || !seen) return undefined;
     let [over, stream] = [false, null];
-    const again = () => setTurn((before) => before + 1);
+    const again = () => stream || setTurn((before) => before + 1); // one was plugged in; opening one tells so, too
     open(chosen).then(async (opened) => {
       stream = opened;
       if (over) return stop(stream);
