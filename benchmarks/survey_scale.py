@@ -1,7 +1,7 @@
 """How a survey's cost grows, and what it finds: ``python -m benchmarks.survey_scale``.
 
 Surveys of synthetic buildings whose observations are computed, not rendered, all from seeds. Without options the cost
-of 54, 500 and 5,000 photographs with two plates to each is measured, every size in a process of its own, and the
+of 54 to 5,000 photographs with two plates to each is measured, every size in a process of its own, and the
 exponents by which time and memory grow. ``--faults`` puts one fault after the other into a building and tells what was
 found and named; ``--drift`` holds a corridor at one end; ``--extend`` ties a second survey to the first one's map.
 """
@@ -22,7 +22,7 @@ from benchmarks.survey_fault_score import FaultScore, score_faults
 from benchmarks.survey_run import BUILDINGS, STAGES, SurveyRun, run_survey
 from benchmarks.survey_ties import Drift, Tie, corridor_drift, extension
 
-DEFAULT_SIZES = (54, 500, 5000)
+DEFAULT_SIZES = (54, 500, 1500, 5000)
 BYTES_PER_MB = 1e6
 
 
@@ -35,7 +35,7 @@ def main() -> None:
         _print_runs(runs)
         record["runs"] = runs
     if arguments.faults:
-        scores = list(score_faults(range(arguments.seed, arguments.seed + arguments.seeds)))
+        scores = list(score_faults(range(arguments.seed, arguments.seed + arguments.seeds), arguments.only))
         _print_faults(scores)
         record["faults"] = scores
     seeds = range(arguments.seed, arguments.seed + arguments.seeds)
@@ -53,6 +53,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.survey_scale", description=__doc__)
     parser.add_argument("--photos", type=int, nargs="+", choices=sorted(BUILDINGS), default=DEFAULT_SIZES)
     parser.add_argument("--faults", action="store_true", help="the matrix of faults")
+    parser.add_argument("--only", default="", help="of the faults, those whose name holds this")
     parser.add_argument("--drift", action="store_true", help="a corridor with control at one end")
     parser.add_argument("--extend", action="store_true", help="a map extended by a second survey")
     parser.add_argument("--seed", type=int, default=1, help="of the first building; the others count on from it")

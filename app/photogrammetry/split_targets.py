@@ -33,13 +33,13 @@ class SplitOptions:
     ----------
     least_sigmas : float
         Root mean square residual of its sightings, in standard deviations, from which a target is looked at; in each of
-        the two places it must be less. Sightings of sound targets have 1, shared errors of their dots make some 1.6.
+        the two places it must be less. Sightings of sound targets have 1, with what their dots share 1.7 at most.
         Photographs of which half of the sightings have more say nothing.
     most_sigmas : float
         Of a sighting: what is farther off is another plate, and one step from where the target stands does not tell
         where.
     least_fall : float
-        Factor by which two places lower the weighted squares; the best of all groupings of noise makes it 1.5.
+        Factor by which two places lower the weighted squares; the best grouping of noise makes it 1.4 at most.
     most_rounds : int
         Adjustments in which the worst target around is left out.
     """
