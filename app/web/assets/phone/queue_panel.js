@@ -22,7 +22,7 @@ export function QueuePanel({ queue }) {
   const others = queue.tasks.length - waiting.length;
   return html`<section class="card" aria-label="Queue"><div class="row spread"><h2>Queue</h2><${State} standing=${queue.standing} waiting=${queue.tasks.length} /></div>
     ${queue.error && html`<${Notice} kind="bad"><p>This browser keeps no pictures (${queue.error.message}): they cannot wait here, and are lost without a network. A private window may be the cause.</p></${Notice}>`}
-    <p role="status">${oldest ? `${plural(waiting.length, "picture")} waiting, the oldest of ${CLOCK.format(oldest.captured_ms)}.` : others ? "A trajectory waits to be told to the service." : "Nothing waits: all pictures are sent."}</p>
+    <p role="status">${oldest ? `${plural(waiting.length, "picture")} waiting, the oldest of ${CLOCK.format(oldest.captured_ms)}.` : !queue.loaded ? "Looking what waits …" : others ? "A trajectory waits to be told to the service." : "Nothing waits: all pictures are sent."}</p>
     ${queue.standing.error && queue.tasks.length > 0 && html`<p class="small">${queue.standing.error.message}</p>`}
     <div class="row">
       ${queue.tasks.length > 0 && html`<${Button} onClick=${queue.sendNow}>Send now</${Button}>`}

@@ -10,7 +10,7 @@ export function CameraRecord({ site, cameras, size, device_id, chosen, onChoose 
   const fitting = size ? cameras.filter((camera) => fits(camera, size.width_px, size.height_px)) : cameras;
   const known = size && knownWithoutName(cameras, device_id, size.width_px, size.height_px);
   return html`<${Field} label="Camera record" hint=${size && `Of those that fit pictures of ${size.width_px} × ${size.height_px}; remembered for this lens and size.`}>
-      <select value=${chosen ?? ""} onChange=${(event) => onChoose(event.target.value || null)}>
+      <select disabled=${!size} value=${chosen ?? ""} onChange=${(event) => onChoose(event.target.value || null)}>
         <option value="">${known ? `Automatic: ${cameraText(known)}` : "Automatic"}</option>
         ${fitting.map((camera) => html`<option value=${camera.camera_id}>${cameraText(camera)}</option>`)}</select></${Field}>
     ${size && !known && !chosen && html`<${Notice} kind="warn"><p>The service does not know which camera films: pictures of a live camera do not say. ${fitting.length ? "Choose its record, or calibrate it." : "Calibrate it, or send photographs."}</p></${Notice}>`}
