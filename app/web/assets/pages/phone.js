@@ -30,7 +30,7 @@ export default function Phone({ site, who }) {
 function Locating({ room, device, who, onNetwork }) {
   const { site_id } = room.site;
   const clock = useClock();
-  const queue = useQueue(site_id, clock.current);
+  const queue = useQueue(site_id, clock.known);
   const eye = useEye(site_id, room.cameras);
   const taking = useTaking({ site_id, device_id: device.id, clock, queue, eye });
   const run = useRun(site_id, queue.add, taking.frame.run);

@@ -37,7 +37,7 @@ export const better = (one, other, now_ms) => (!one || (other && halfWidth_s(oth
 
 /**
  * The offset as it is known now; compared when the page opens, when the network comes back, and each minute.
- * @returns {{reading: Reading | null, current: () => Reading | null}} the latter for those who ask between two renderings
+ * @returns {{reading: Reading | null, current: () => Reading | null, known: () => Promise<Reading>}} the latter two for those who ask between two renderings; `known` compares when nobody has
  */
 export function useClock() {
   const [reading, setReading] = useState(null);
@@ -53,5 +53,5 @@ export function useClock() {
     const timer = setInterval(compare, AGAIN_MS);
     return () => { controller.abort(); removeEventListener("online", compare); clearInterval(timer); };
   }, []);
-  return { reading, current: () => latest.current };
+  return { reading, current: () => latest.current, known: async () => latest.current ?? compareClocks() };
 }

@@ -16,7 +16,7 @@ const MOST_TRIES = 5;
 export class Sender {
   /**
    * @param {string} site_id
-   * @param {() => object | null} readingOf the clock's, now
+   * @param {() => Promise<object>} readingOf the clock's, now
    * @param {(standing: Standing, settled: boolean) => void} onChange
    */
   constructor(site_id, readingOf, onChange) {
@@ -64,7 +64,8 @@ export class Sender {
   async send({ task, picture }) {
     this.tell("sending");
     try {
-      const answer = await perform(task, picture, this.readingOf());
+      const unknown = task.kind === "locate" && !task.reading; // it was taken before the clocks were compared
+      const answer = await perform(task, picture, unknown ? await this.readingOf() : null);
       await this.end(task, { answer });
     } catch (error) {
       if (!(error instanceof Problem || error instanceof Unreachable)) throw error;

@@ -31,7 +31,7 @@ export const locateTask = (site_id, { captured_ms, spread_s }, { trajectory_id =
  * Ask the service for what a task wants. Each can be asked again: ids make the answer the same.
  * @param {Task} given
  * @param {Blob | null} picture
- * @param {object | null} reading of the clock now, for a picture that was taken when none was known
+ * @param {object | null} reading of the clock now, for a picture that was taken when none was known; null where it is not needed
  */
 export async function perform(given, picture, reading) {
   if (given.kind === "open") return post("/trajectories", { site_id: given.site_id, trajectory_id: given.trajectory_id, device_id: given.device_id, name: given.name });

@@ -7,7 +7,7 @@ const CHANNEL = "scattermark-phone"; // by which tabs tell each other
 
 /**
  * @param {string} site_id
- * @param {() => object | null} readingOf the clock's, now
+ * @param {() => Promise<object>} readingOf the clock's, now
  */
 export function useQueue(site_id, readingOf) {
   const [kept, setKept] = useState({ tasks: [], results: [], loaded: false, error: null });
