@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -65,6 +66,10 @@ class PlateFits:
 
     def explained(self) -> Array:
         """Part of the samples' variance that the model explains, shape (P,), over all channels; 0 where all is flat."""
+        return self._explained
+
+    @cached_property
+    def _explained(self) -> Array:
         flat = self.spread_rms < 1.0  # grey value: a patch that has collapsed to a point, or a plain wall
         return np.where(flat, 0.0, 1.0 - self.residual_rms**2 / np.maximum(self.spread_rms**2, 1.0))
 

@@ -38,7 +38,8 @@ def fit_plates(
     amplitudes, slopes, planes, residual_rms, spread_rms, offset_cofactors = fits
     right, solved = np.empty((CHANNELS, COEFFICIENTS)), np.empty((CHANNELS, COEFFICIENTS))
     parts = np.zeros((CHANNELS, whole_steps(samples.shape[2])), dtype=np.float32)
-    for plate in range(len(levels)):
+    # Level by level: a template then stays in the processor's nearest cache for all of its plates.
+    for plate in np.argsort(levels):
         level = levels[plate]
         project_plate(samples[plate], template, level, parts, right)
         solve_plate(right, template[3][level], solved)

@@ -43,21 +43,21 @@ def _eight_at(line: Array32, at: np.uint64) -> tuple[np.float32, ...]:
 def _cut(samples: Array32, row_length: int, window: Indices, part: Array32) -> None:
     """The samples of a window; what ``part`` holds behind them has no weight."""
     first, rows, columns = window
-    put = np.uint64(0)
-    for row in range(rows):
-        at = np.uint64(first + row * row_length)
-        for _ in range(columns // WINDOW_STEP):
+    for left in range(0, columns, WINDOW_STEP):
+        at, put = np.uint64(first + left), np.uint64(left)
+        for _ in range(rows):
             values = _eight_at(samples, at)
             for place in range(WINDOW_STEP):
                 part[put + np.uint64(place)] = values[place]
-            at, put = at + np.uint64(WINDOW_STEP), put + np.uint64(WINDOW_STEP)
+            at, put = at + np.uint64(row_length), put + np.uint64(columns)
 
 
-@compiled("void(float32[:, ::1], float32[:, ::1], int64, float64[:, ::1])")
+@compiled("void(float32[:, ::1], float32[::1], int64, float64[:, ::1])")
 def _project_dot(parts: Array32, weights: Array32, column: int, right: Array) -> None:
     """Three channels times three weights, in one loop."""
     blue, green, red = parts[0], parts[1], parts[2]
-    disc, along, down = weights[0], weights[1], weights[2]
+    length = len(weights) // PER_DOT
+    disc, along, down = weights[:length], weights[length : 2 * length], weights[2 * length :]
     blue_disc = blue_along = blue_down = green_disc = green_along = green_down = np.float32(0.0)
     red_disc = red_along = red_down = np.float32(0.0)
     for sample in range(len(disc)):
@@ -109,9 +109,8 @@ def project_plate(samples: Array32, template: Template, level: int, parts: Array
     weights, windows, planes = template[0][level], template[1][level], template[2][level]
     row_length, length = int(np.sqrt(samples.shape[1])), whole_steps(windows[0, 1] * windows[0, 2])
     for dot in range(DOT_COUNT):
-        of_dot = weights[PER_DOT * length * dot : PER_DOT * length * (dot + 1)].reshape(PER_DOT, length)
         for channel in range(CHANNELS):
             _cut(samples[channel], row_length, windows[dot], parts[channel])
-        _project_dot(parts, of_dot, PER_DOT * dot, right)
+        _project_dot(parts, weights[PER_DOT * length * dot : PER_DOT * length * (dot + 1)], PER_DOT * dot, right)
     for channel in range(CHANNELS):
         _project_planes(samples[channel], planes, right[channel, BACKGROUND:])
