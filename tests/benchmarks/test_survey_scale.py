@@ -21,7 +21,7 @@ SMALL = BuildingOptions(wings=1, bays=1)
 def sound() -> Sound:
     building = build_building(SMALL, SEED)
     control = spread_control(building, (6, 2), 0.001, SEED)
-    return Sound(building, photograph(building, ViewOptions(), SEED), control, SEED)
+    return Sound(SMALL, building, photograph(building, ViewOptions(), SEED), control, SEED)
 
 
 def adjusted(sound: Sound) -> SurveyResult:
