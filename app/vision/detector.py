@@ -20,10 +20,12 @@ from app.vision.centres import (
     locate_dots,
     refine_homographies,
 )
+from app.vision.covered_sides import covered_sides
 from app.vision.covering import CoveringOptions, covered_base_dots
 from app.vision.dots import Blobs, DotOptions, find_red_blobs
 from app.vision.grouping import GroupingOptions, group_base_dots
 from app.vision.hidden_dots import HiddenDotOptions, complete_groups
+from app.vision.hidden_sides import HiddenSideOptions, complete_sides, red_of_blobs
 from app.vision.homography import image_from_corner_dots
 from app.vision.ink_noise import weigh_by_ink
 from app.vision.inks import InkOptions, read_inks
@@ -35,8 +37,9 @@ from app.vision.judgement import (
     one_dot_one_target,
 )
 from app.vision.measurement import PlateFits, SizedPatches, fit_patches
+from app.vision.parts_in_sight import PartOptions, fit_covered, fit_in_sight
 from app.vision.patches import Pyramid, take_patches
-from app.vision.proposals import ProposalOptions, promising
+from app.vision.proposals import BASE_U, ProposalOptions, promising
 from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates
 from app.vision.settling import SettlingOptions, settle_dots, settled_covariances, settled_plates
 from app.vision.template import PatchGrid
@@ -82,12 +85,14 @@ class DetectorOptions:
     dots: DotOptions = field(default_factory=DotOptions)
     grouping: GroupingOptions = field(default_factory=GroupingOptions)
     hidden_dots: HiddenDotOptions = field(default_factory=HiddenDotOptions)
+    hidden_sides: HiddenSideOptions = field(default_factory=HiddenSideOptions)
     proposals: ProposalOptions = field(default_factory=ProposalOptions)
     centres: CentreOptions = field(default_factory=CentreOptions)
     settling: SettlingOptions = field(default_factory=SettlingOptions)
     inks: InkOptions = field(default_factory=InkOptions)
     judgement: JudgementOptions = field(default_factory=JudgementOptions)
     covering: CoveringOptions = field(default_factory=CoveringOptions)
+    parts: PartOptions = field(default_factory=PartOptions)
     reading: ReadingOptions = field(default_factory=ReadingOptions)
 
 
@@ -127,6 +132,7 @@ def detect(
 def _candidates(bgr: Pixels, options: DetectorOptions) -> PlateFits:
     """Whatever may be a plate, at first sight; none shares a dot with one that fits better."""
     blobs = find_red_blobs(bgr, options.dots)
+    whole = len(blobs)
     least_focal_px = options.least_focal_share * max(bgr.shape[:2])
     groups = promising(bgr, blobs, group_base_dots(blobs, least_focal_px, options.grouping), options.proposals)
     fits = _first_look(bgr, blobs, groups, options)
@@ -135,7 +141,24 @@ def _candidates(bgr: Pixels, options: DetectorOptions) -> PlateFits:
     blobs, completed = complete_groups(blobs, np.setdiff1d(np.arange(len(blobs)), claimed), options.hidden_dots)
     completed = promising(bgr, blobs, completed, options.proposals)
     fits = PlateFits.joined([fits, _first_look(bgr, blobs, completed, options)])
-    return fits.select(one_dot_one_target(np.concatenate([groups, completed]), fits.explained()))
+    groups = np.concatenate([groups, completed])
+    kept = one_dot_one_target(groups, fits.explained())
+    fits, groups = fits.select(kept), groups[kept]
+    claimed = groups[fits.explained() > options.judgement.explained_min]
+    return PlateFits.joined([fits, _half_hidden(bgr, blobs, np.setdiff1d(np.arange(whole), claimed), options)])
+
+
+def _half_hidden(bgr: Pixels, blobs: Blobs, free: npt.NDArray[np.intp], options: DetectorOptions) -> PlateFits:
+    """Plates of which a side is covered with both its corner dots, at first sight, from blobs of no other plate."""
+    whole, parts = len(blobs), options.parts.at_first_sight()
+    blobs, groups = complete_sides(blobs, free, options.hidden_sides)
+    groups = promising(bgr, blobs, groups, options.hidden_sides.proposals)
+    image_from_plate, red = image_from_corner_dots(blobs.centres_px[groups[:, :4]]), red_of_blobs(bgr, blobs, groups)
+    sides = covered_sides(bgr, red, image_from_plate, parts.sides)
+    # What was made up must be hidden, and what was seen in sight.
+    suits = np.flatnonzero((sides.seen(BASE_U) == (groups < whole)).all(axis=1))
+    found, visible = fit_covered(Pyramid.of(bgr, 1), image_from_plate[suits], red[suits], options.blur_px, parts)
+    return visible.fits.select(one_dot_one_target(groups[suits[found]], visible.fits.explained()))
 
 
 def _first_look(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> PlateFits:
@@ -152,13 +175,14 @@ def _measure(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Measure
     pyramid = _pyramid(bgr, first, options)
     patches = SizedPatches.of(pyramid, refined)
     blur_px = _choose_blur(patches, size_px, options)
-    fits = patches.fit(blur_px)
-    inks = read_inks(fits.amplitudes, options.inks)
+    parts = fit_in_sight(pyramid, patches.fit(blur_px), refined, blur_px, options.parts)
+    fits = parts.fits
+    inks = read_inks(fits.amplitudes, options.inks).behind(parts.hidden, parts.cut)
     dots = locate_dots(fits, inks, size_px, options.centres)
     dots = settle_dots(bgr, fits, weigh_by_ink(fits, dots), blur_px, options.settling)
     refined = refine_homographies(fits, dots)
     judgement = judge_plates(fits, dots, inks, refined, options.judgement)
-    lacking = lacks_red(fits, inks, options.judgement) & dots.inside[:, list(BASE_CELLS)]
+    lacking = lacks_red(fits, inks, options.judgement) & (dots.inside & ~inks.hidden)[:, list(BASE_CELLS)]
     suspects = np.flatnonzero(judgement.stands & lacking.any(axis=1))
     if len(suspects):
         # A hidden base dot is forgiven, a missing one is not.

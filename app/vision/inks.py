@@ -8,7 +8,7 @@ over-exposure brings white down to (1, 1).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ import numpy.typing as npt
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.homography import PLATE_DOTS_U
 from app.vision.kernels.homographies import CORNER_DOT_U
-from app.vision.kernels.inkwell import BLACK_DIGIT, read_plates_inks
+from app.vision.kernels.inkwell import BLACK_DIGIT, HIDDEN_DIGIT, read_plates_inks
 
 Array = npt.NDArray[np.float64]
 
@@ -87,12 +87,21 @@ class InkReading:
         Distance from the nearest border between two inks over the inks' own distance from it; 1 is typical.
     red_level : ndarray of shape (P, 16)
         Red amplitude expected at each dot.
+    hidden, cut : ndarray of shape (P, 16), bool
+        Dots that are known to be covered, so far that their ink, or their place, cannot be told.
     """
 
     red_base: npt.NDArray[np.bool_]
     digits: npt.NDArray[np.int8]
     confidence: Array
     red_level: Array
+    hidden: npt.NDArray[np.bool_]
+    cut: npt.NDArray[np.bool_]
+
+    def behind(self, hidden: npt.NDArray[np.bool_], cut: npt.NDArray[np.bool_]) -> InkReading:
+        """The same reading with dots that something covers, both of shape (P, 16)."""
+        digits = np.where(hidden[:, DIGITS], np.int8(HIDDEN_DIGIT), self.digits)
+        return replace(self, red_base=self.red_base & ~hidden[:, BASE], digits=digits, hidden=hidden, cut=cut)
 
     @property
     def coloured(self) -> npt.NDArray[np.bool_]:
@@ -100,7 +109,7 @@ class InkReading:
         coloured = np.empty(self.red_level.shape, dtype=np.bool_)
         coloured[:, BASE] = self.red_base
         coloured[:, DIGITS] = self.digits > BLACK_DIGIT
-        return coloured
+        return coloured & ~self.cut
 
 
 def read_inks(amplitudes: Array, options: InkOptions = InkOptions()) -> InkReading:
@@ -111,6 +120,8 @@ def read_inks(amplitudes: Array, options: InkOptions = InkOptions()) -> InkReadi
         digits=np.empty((count, len(DIGITS)), dtype=np.int8),
         confidence=np.empty((count, len(DIGITS))),
         red_level=np.empty((count, len(PLATE_DOTS_U))),
+        hidden=np.zeros((count, len(PLATE_DOTS_U)), dtype=np.bool_),
+        cut=np.zeros((count, len(PLATE_DOTS_U)), dtype=np.bool_),
     )
     written = (reading.red_base, reading.digits, reading.confidence, reading.red_level)
     bounds = tuple(vars(options).values())  # ``astuple`` copies deeply, at twenty times the price

@@ -53,6 +53,8 @@ class JudgementOptions:
         What noise adds to that on small plates.
     base_dots_min, dots_min : int
         Measured base dots, and measured dots in all.
+    base_dots_covered_min : int
+        Measured base dots of a plate that is known to be covered from a side: two corners may stand there.
     """
 
     red_min: float = 2.0
@@ -67,6 +69,11 @@ class JudgementOptions:
     misfit_noise_px: float = 0.25
     base_dots_min: int = 4
     dots_min: int = 6
+    base_dots_covered_min: int = 3
+
+    def base_dots_needed(self, covered: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+        """Base dots that plates must show of which so many are known to be covered, both of shape (P,)."""
+        return np.clip(len(BASE) - covered, self.base_dots_covered_min, self.base_dots_min)
 
 
 @dataclass(frozen=True)
@@ -127,22 +134,25 @@ def judge_plates(
         Homographies through the measured dots.
     """
     rms_px = misfit_px(dots, refined)
-    base = fits.amplitudes[:, BASE]
+    base, in_sight = fits.amplitudes[:, BASE], ~inks.hidden[:, BASE]
+    base_min = options.base_dots_needed(inks.cut[:, BASE].sum(axis=1))
     # In order, the middle of five is their median: ``np.median`` takes ten times as long for it.
     mean_red = np.maximum(np.sort(base[..., RED], axis=1)[:, len(BASE) // 2], 1.0)
-    uneven = np.sort(np.abs(base[..., RED] - inks.red_level[:, BASE]), axis=1)[:, options.base_dots_min - 1]
+    off_level = np.sort(np.abs(base[..., RED] - inks.red_level[:, BASE]), axis=1)
+    uneven = np.take_along_axis(off_level, base_min[:, None] - 1, axis=1)[:, 0]
+    mean_base = (base * in_sight[..., None]).sum(axis=1) / np.maximum(in_sight.sum(axis=1), 1)[:, None]
     allowed_px = np.hypot(options.misfit_max_u * fits.px_per_u, options.misfit_noise_px)
     measured_base = dots.measured[:, BASE].sum(axis=1)
-    below_black = -base[..., :RED].mean(axis=1).min(axis=1) / mean_red
+    below_black = -mean_base[:, :RED].min(axis=1) / mean_red
     weakly, always = options.below_black_max
     failed = {
-        "outside-photo": dots.inside[:, BASE].sum(axis=1) < options.base_dots_min,
-        "not-red": (~lacks_red(fits, inks, options)).sum(axis=1) < options.base_dots_min,
-        "uneven-red": uneven > options.uneven_max * np.maximum(base[..., RED].mean(axis=1), 1.0),
+        "outside-photo": dots.inside[:, BASE].sum(axis=1) < base_min,
+        "not-red": (~lacks_red(fits, inks, options)).sum(axis=1) < base_min,
+        "uneven-red": uneven > options.uneven_max * np.maximum(mean_base[:, RED], 1.0),
         "bright-background": (fits.background.max(axis=1) > options.background_max * mean_red)
         | (below_black > np.where(fits.explained() < options.explained_surely, weakly, always)),
         "not-a-plate": ~(fits.explained() > options.explained_min),
-        "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min) | (measured_base < options.base_dots_min),
+        "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min) | (measured_base < base_min),
         "wrong-layout": ~(rms_px < allowed_px),
         "red-digit": (_red_digits(fits, inks, options) & dots.inside[:, DIGITS]).any(axis=1),
     }

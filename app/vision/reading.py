@@ -148,6 +148,7 @@ def read_plates(
     spoilt, unsure = (hidden >= book.family.distance).tolist(), unchecked.tolist()
     reported = (explained > options.report_explained_min).tolist()
     words: list[list[int]] = decoded.tolist()
+    half_hidden = (plates.inks.hidden[:, list(BASE_CELLS)].sum(axis=1) > 1).tolist()
     targets: dict[int, TargetObservation] = {}
     rejected: list[Rejected] = []
     for plate in np.argsort(-explained, kind="stable").tolist():
@@ -155,7 +156,8 @@ def read_plates(
         reason = reasons[plate] or book.objection(code, corrected, erased)
         if reason == "code-not-in-family" and spoilt[plate]:
             reason = "unreadable"
-        if not reason and unsure[plate]:
+        # With two corners hidden a plate is less sure, and must say its code as it stands.
+        if not reason and (unsure[plate] or (half_hidden[plate] and corrected)):
             reason = "unreadable"
         if not reason and book.sees_mirror(digits[plate], code, corrected):
             reason = "mirror-image"

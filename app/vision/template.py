@@ -145,6 +145,17 @@ class TemplateShelf:
         cofactors[level], offset_cofactors[level] = template.cofactors, template.offset_cofactors
         self.made[level] = True
 
+    def design(self, level: int) -> Array32:
+        """The model of a level that is made as one matrix, shape (S, 54): ``plate_design`` out of its parts."""
+        weights, windows, planes = self.parts[0][level], self.parts[1][level], self.parts[2][level]
+        samples, inside = self.grid.value**2, int(windows[0, 1] * windows[0, 2])
+        matrix = np.zeros((samples, COEFFICIENTS), dtype=np.float32)
+        by_dot = weights[: DOT_COUNT * PER_DOT * whole_steps(inside)].reshape(DOT_COUNT, PER_DOT, -1)
+        for dot, seen in enumerate(_seen_through(windows, self.grid)):
+            matrix[seen, PER_DOT * dot : PER_DOT * (dot + 1)] = by_dot[dot, :, :inside].T
+        matrix[:, BACKGROUND:] = planes.T
+        return matrix
+
 
 @cache
 def _shelf_of(grid: PatchGrid) -> TemplateShelf:
