@@ -10,6 +10,10 @@ from typing import ClassVar
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+# How long a connection may rest between two requests. Whoever ends it first must be the client: a request that crosses
+# the server's end on its way is lost. Clients of Python let go after 5 s, proxies after 60 s at most.
+KEEP_ALIVE_S = 75
+
 
 class PatientProtocol(H11Protocol):
     """The server's protocol, with an end to its patience between a connection's start and a request's last header.

@@ -110,7 +110,7 @@ def _server(settings: Settings, door: Door) -> GracefulServer:
     import uvicorn
 
     from app.api.locate_stream import FRAME_BYTES, MESSAGES_AHEAD
-    from app.api.slow_headers import PatientProtocol
+    from app.api.slow_headers import KEEP_ALIVE_S, PatientProtocol
     from app.cli.graceful_server import GracefulServer
     from app.main import create_app
 
@@ -138,6 +138,7 @@ def _server(settings: Settings, door: Door) -> GracefulServer:
         access_log=False,
         lifespan="on",
         timeout_graceful_shutdown=settings.finish_s,
+        timeout_keep_alive=KEEP_ALIVE_S,
         ssl_certfile=None if door.certificate is None else door.certificate.certificate_path,
         ssl_keyfile=None if door.certificate is None else door.certificate.key_path,
     )

@@ -16,7 +16,7 @@ import uvicorn
 
 from app.api.app import build_api
 from app.api.dependencies import Services
-from app.api.slow_headers import PatientProtocol
+from app.api.slow_headers import KEEP_ALIVE_S, PatientProtocol
 from app.jobs.supervisor import supervised_worker
 from app.main import run_services
 from app.settings import PREFIX, Settings
@@ -100,7 +100,13 @@ def _serve(settings: Settings) -> Iterator[Served]:
 
     app = build_api(settings, open_services)
     config = uvicorn.Config(
-        app, port=0, http=PatientProtocol, log_level="error", lifespan="on", timeout_graceful_shutdown=5
+        app,
+        port=0,
+        http=PatientProtocol,
+        log_level="error",
+        lifespan="on",
+        timeout_graceful_shutdown=5,
+        timeout_keep_alive=KEEP_ALIVE_S,
     )
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run)

@@ -42,13 +42,14 @@ async def calibrate(
     principal: Surveying,
     services: Running,
     images: Annotated[
-        list[UploadFile] | None, File(description="5 to 20 photographs of the site's targets, if no survey has them.")
-    ] = None,
+        list[UploadFile],
+        File(description="5 to 20 photographs of the site's targets, if no survey has them.", default_factory=list),
+    ],
 ) -> JobStarted:
     """Calibrate the camera that took photographs of a mapped site, sent along or in a survey: in the background.
 
     The job's `result`: camera_id, fx, fy, cx, cy, dist, covariance, width_px, height_px, and what took part.
     """
     principal.site(form.site_id)
-    uploads = [Upload(image.filename or "", chunks_of_file(image), image.size or 0) for image in images or ()]
+    uploads = [Upload(image.filename or "", chunks_of_file(image), image.size or 0) for image in images]
     return JobStarted(job_id=(await services.calibrations.take(form.to_domain(), uploads)).job_id)
