@@ -138,7 +138,7 @@ def forced_picture(ground: str, seed: int) -> tuple[Pixels, npt.NDArray[np.float
     for x in range(CELL_PX // 2, WIDTH_PX, CELL_PX):
         for y in range(CELL_PX // 2, HEIGHT_PX, CELL_PX):
             px_per_u = rng.uniform(*PX_PER_U)
-            dots_px = _seen(rng, px_per_u) + np.array([x, y])
+            dots_px = seen_places_px(rng, px_per_u) + np.array([x, y])
             radius_px = px_per_u * rng.uniform(0.7, 1.2)
             for _ in range(len(DIGIT_CELLS) if ground == GROUNDS[2] else 0):
                 ink = INKS[1 + int(rng.integers(len(INKS) - 1))]
@@ -149,7 +149,7 @@ def forced_picture(ground: str, seed: int) -> tuple[Pixels, npt.NDArray[np.float
     return as_taken(picture, rng), np.array(places)
 
 
-def _seen(rng: np.random.Generator, px_per_u: float) -> npt.NDArray[np.float64]:
+def seen_places_px(rng: np.random.Generator, px_per_u: float) -> npt.NDArray[np.float64]:
     """A plate's sixteen places about the origin, seen at random and each a little off, px."""
     angle = rng.uniform(0.0, 2.0 * np.pi)
     slant = exp_rotation(rng.uniform(0.0, SLANT_RAD) * np.array([np.cos(angle), np.sin(angle), 0.0]))
@@ -159,11 +159,15 @@ def _seen(rng: np.random.Generator, px_per_u: float) -> npt.NDArray[np.float64]:
     return np.asarray(px_per_u * np.column_stack([x, y]) / (1.0 + depth / DISTANCE_U)[:, None])
 
 
-def _line(ground: str, total: Forced, share: float) -> list[str]:
+def at_most_by_chance(total: Forced, share: float) -> float:
+    """Upper bound on the part of random ones that is accepted with a listed code."""
     at_most = float(chi2.ppf(CONFIDENCE, 2 * (total.listed + 1))) / 2.0  # of a Poisson count (Garwood, 1936)
-    bound = share * at_most / max(total.grouped, 1)
+    return share * at_most / max(total.grouped, 1)
+
+
+def _line(ground: str, total: Forced, share: float) -> list[str]:
     counts = (total.drawn, total.grouped, total.accepted, total.listed)
-    return [ground, *(str(count) for count in counts), f"{bound:.1e}"]
+    return [ground, *(str(count) for count in counts), f"{at_most_by_chance(total, share):.1e}"]
 
 
 def _arguments() -> argparse.Namespace:
