@@ -34,7 +34,7 @@ class SideOptions:
     ----------
     first_u, step_u, deepest_u : float
         Where the lines are looked at, from the plate's edge inwards: behind the blurred paper, half a dot's radius
-        apart at most, and as far as leaves half of the plate.
+        apart at most, and as far as leaves ``area_min`` of the plate.
     off_black_min : float
         Distance of a colour from the plate's black over the plate's red, linear light: in plain view up to 0.1, even
         with bright dots blurred into it.
@@ -48,7 +48,7 @@ class SideOptions:
 
     first_u: float = 0.6
     step_u: float = 0.25
-    deepest_u: float = 6.0
+    deepest_u: float = 5.2
     off_black_min: float = 0.14
     lines_min: int = 3
     area_min: float = 0.6

@@ -18,6 +18,7 @@ from app.vision.patches import Patches
 from app.vision.template import PAPER_RIDGE, PATCH_REACH_U, shelf_with
 
 Array = npt.NDArray[np.float64]
+Array32 = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.bool_]
 
 # Of a dot's own picture: what tells its colour, and, but for the skirts of its blur, where it stands.
@@ -77,8 +78,8 @@ def fit_visible(patches: Patches, blur_px: float, seen: Mask) -> VisibleFits:
         design = shelf.design(level)
         discs, in_sight = design[:, :BACKGROUND:PER_DOT], seen[plate]
         shares[plate] = discs[in_sight].sum(axis=0) / discs.sum(axis=0)
-        samples = patches.samples[plate][:, in_sight].T.astype(np.float64)
-        solved[plate], cofactors[plate], rms[plate] = _solve(design[in_sight].astype(np.float64), samples)
+        samples = patches.samples[plate][:, in_sight].T
+        solved[plate], cofactors[plate], rms[plate] = _solve(design[in_sight], samples)
     dots = solved[:, :BACKGROUND].reshape(plates, DOT_COUNT, PER_DOT, CHANNELS)
     dots[shares < READ_SHARE] = 0.0
     planes = np.ascontiguousarray(solved[:, BACKGROUND:].transpose(0, 2, 1))
@@ -97,12 +98,17 @@ def fit_visible(patches: Patches, blur_px: float, seen: Mask) -> VisibleFits:
     return VisibleFits(fits, shares)
 
 
-def _solve(model: Array, samples: Array) -> tuple[Array, Array, Array]:
+def _solve(model: Array32, samples: Array32) -> tuple[Array, Array, Array]:
     """Coefficients (54, 3), cofactors (54, 54), and root mean squares of what is left and of what there was."""
     ridge = np.full(COEFFICIENTS, HIDDEN_RIDGE)
     ridge[PAPER:] = PAPER_RIDGE * len(samples)
-    cofactors = np.linalg.inv(model.T @ model + np.diag(ridge))
-    solved = cofactors @ (model.T @ samples)
-    left, spread = samples - model @ solved, samples - samples.mean(axis=0)
-    rms: Array = np.sqrt(np.array([(left**2).mean(), (spread**2).mean()]))
-    return solved, np.asarray(cofactors, dtype=np.float64), rms
+    cofactors: Array = np.asarray(
+        np.linalg.inv((model.T @ model).astype(np.float64) + np.diag(ridge)), dtype=np.float64
+    )
+    solved: Array = np.asarray(cofactors @ (model.T @ samples).astype(np.float64), dtype=np.float64)
+    left, spread = samples - model @ solved.astype(np.float32), samples - samples.mean(axis=0)
+    return solved, cofactors, np.array([_root_mean_square(left), _root_mean_square(spread)])
+
+
+def _root_mean_square(values: Array32) -> float:
+    return float(np.sqrt(np.vdot(values, values) / values.size))

@@ -143,6 +143,7 @@ def walk_lines(
         Lines that must begin with two foreign steps, or their side counts as clear; part of the plate's area that must
         be left.
     leading : ndarray of shape (P, 4, 5), written
+        0 of plates on which a side's lines never become black.
     black_share : ndarray of shape (P,), written
         Only of plates that are covered from some side, and in part; 0 of others.
     """
@@ -154,7 +155,7 @@ def walk_lines(
         image, limit, covered = image_from_plate[plate], limits[plate], False
         _find_black(bgr, light, image, gaps_u, room, colours[0])
         for side in range(SIDES):
-            lines = 0
+            lines, through = 0, 0
             for line in range(len(lines_u)):
                 steps = 0
                 for deep_u in inwards_u:
@@ -163,9 +164,13 @@ def walk_lines(
                     steps += 1
                 leading[plate, side, line] = steps
                 lines += steps > 1
+                through += steps == len(inwards_u)
             if lines < bounds[0]:
                 leading[plate, side] = 0
             covered = covered or lines >= bounds[0]
+            if through >= bounds[0]:  # too little is left, or this is no plate
+                leading[plate], covered = 0, False
+                break
         if covered:
             walked = (lines_u, inwards_u, leading[plate])
             black_share[plate] = _black_in_sight(bgr, light, image, walked, colours, (limit, bounds[1]))
