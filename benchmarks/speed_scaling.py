@@ -32,8 +32,9 @@ from app.planning.scene import PostedTarget
 from app.planning.survey_plan import look_at, phone_camera
 from app.planning.synthetic import RenderedPhoto, render
 from app.targets.family import family_by_name
+from app.vision.decoding import DECODE_FLAGS
 from app.vision.detectors import choose_detector
-from app.vision.photo import DECODE_FLAGS, load_photo
+from app.vision.photo import load_photo
 from benchmarks.memory import peak_rss_bytes
 from benchmarks.output import print_table, write_json
 

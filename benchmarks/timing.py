@@ -20,8 +20,9 @@ from app.geometry.map_file import MapFile
 from app.geometry.observations import Detection
 from app.services.choose_camera import KnownCameras
 from app.targets.family import CodeFamily
+from app.vision.decoding import DECODE_FLAGS
 from app.vision.detectors import Detector
-from app.vision.photo import DECODE_FLAGS, Photo, load_photo
+from app.vision.photo import Photo, load_photo
 from benchmarks.peers import Peer
 
 Array = npt.NDArray[np.float64]

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 from PIL import ExifTags, Image
 
 from app.errors import BadPhoto, PhotoTooLarge, UnsupportedPhoto
 from app.geometry.camera import CameraIdentity
+from app.vision.decoding import decode_jpeg, decode_other
 from app.vision.heic import decode_heic, heic_exif, heic_header
 from app.vision.heic_file import is_heic
 from app.vision.png_chunks import check_chunks
@@ -45,8 +45,6 @@ HEADER_ERRORS = (
 )
 # Fields of EXIF that complete its time, as phones write them; what looks otherwise tells nothing.
 FRACTION, ZONE = re.compile(r"[0-9]{1,9}"), re.compile(r"[+-][0-9]{2}:[0-9]{2}")
-NO_MEMORY = -4  # OpenCV's StsNoMem
-DECODE_FLAGS = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
 
 
 @dataclass(frozen=True)
@@ -182,25 +180,23 @@ def load_photo(data: bytes, limits: PhotoLimits = PhotoLimits()) -> Photo:
     header = read_header(data, limits)
     if header.format == "PNG":
         check_chunks(data)
-    bgr = decode_heic(data) if header.format == "HEIC" else _decode(data)
+    bgr = _pixels(data, header)
     if bgr.shape != (header.height_px, header.width_px, 3):
         raise BadPhoto(
             f"the header promises {header.width_px} x {header.height_px} px, the pixels are "
             f"{bgr.shape[1]} x {bgr.shape[0]}: copy the photograph again"
         )
-    return Photo(np.asarray(bgr, dtype=np.uint8), header)
+    return Photo(bgr, header)
 
 
-def _decode(data: bytes) -> Pixels:
-    try:
-        bgr = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), DECODE_FLAGS)
-    except cv2.error as error:
-        if error.code == NO_MEMORY:
-            raise MemoryError("the decoder had no memory for the pixels") from error
-        raise BadPhoto("the photograph cannot be decoded: take or copy it again") from error
-    if bgr is None:
-        raise BadPhoto("the photograph is truncated or damaged and cannot be decoded: take or copy it again")
-    return np.asarray(bgr, dtype=np.uint8)
+def _pixels(data: bytes, header: PhotoHeader) -> Pixels:
+    match header.format:
+        case "HEIC":
+            return decode_heic(data)
+        case "JPEG":
+            return decode_jpeg(data, (header.width_px, header.height_px))
+        case _:
+            return decode_other(data)
 
 
 def _open(data: bytes) -> Image.Image:
