@@ -175,7 +175,7 @@ def _measure(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Measure
     pyramid = _pyramid(bgr, first, options)
     patches = SizedPatches.of(pyramid, refined)
     blur_px = _choose_blur(patches, size_px, options)
-    parts = fit_in_sight(pyramid, patches.fit(blur_px), refined, blur_px, options.parts)
+    parts = fit_in_sight(pyramid, patches.fit(blur_px), (refined, first.image_from_plate), blur_px, options.parts)
     fits = parts.fits
     inks = read_inks(fits.amplitudes, options.inks).behind(parts.hidden, parts.cut)
     dots = locate_dots(fits, inks, size_px, options.centres)

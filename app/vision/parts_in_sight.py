@@ -7,6 +7,7 @@ plate all the more: a fit that may leave out what does not suit it explains more
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -90,7 +91,7 @@ class PartsInSight:
 
 
 def fit_in_sight(
-    pyramid: Pyramid, fits: PlateFits, image_from_plate: Array, blur_px: float, options: PartOptions = PartOptions()
+    pyramid: Pyramid, fits: PlateFits, starts: Sequence[Array], blur_px: float, options: PartOptions = PartOptions()
 ) -> PartsInSight:
     """Fit those plates again that may be covered from a side.
 
@@ -99,19 +100,24 @@ def fit_in_sight(
     pyramid : Pyramid
     fits : PlateFits
         Of whole plates.
-    image_from_plate : ndarray of shape (P, 3, 3)
-        Where they are, as well as is known.
+    starts : sequence of ndarray of shape (P, 3, 3)
+        Where they may be, the likeliest first: what covers a plate may have misled any of them.
     blur_px : float
     """
-    explained, nothing = fits.explained(), np.zeros((len(image_from_plate), DOT_COUNT), dtype=np.bool_)
+    explained, nothing = fits.explained(), np.zeros((len(fits.px_per_u), DOT_COUNT), dtype=np.bool_)
     doubtful = (explained < options.doubted_below) | ~read_inks(fits.amplitudes).red_base.all(axis=1)
     doubted = np.flatnonzero(doubtful & (explained > options.doubted_above))
     doubted = doubted[np.argsort(-explained[doubted], kind="stable")[: options.plates_max]]
-    red = third_red(fits.select(doubted))
-    found, visible = fit_covered(pyramid, image_from_plate[doubted], red, blur_px, options)
-    plates = doubted[found]
+    plates, lots = doubted[:0], list[VisibleFits]()
+    for image_from_plate in starts:
+        left = np.setdiff1d(doubted, plates)
+        red = third_red(fits.select(left))
+        found, visible = fit_covered(pyramid, image_from_plate[left], red, blur_px, options)
+        plates = np.concatenate([plates, left[found]])
+        lots.append(visible)
     if not len(plates):
         return PartsInSight(fits, nothing, nothing)
+    visible = VisibleFits.joined(lots)
     rows = np.arange(len(explained))
     rows[plates] = len(explained) + np.arange(len(plates))
     hidden, cut = nothing.copy(), nothing.copy()

@@ -6,6 +6,7 @@ are left out of the normal equations, and out of what the fit is judged by.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +50,11 @@ class VisibleFits:
         shapes = ((3, 3), (), (DOT_COUNT, CHANNELS), (DOT_COUNT, 2, CHANNELS), (CHANNELS,), (), (), (DOT_COUNT, 2, 2))
         parts = [np.empty((0, *shape)) for shape in (*shapes, (CHANNELS, COEFFICIENTS - BACKGROUND))]
         return cls(PlateFits(*parts), np.empty((0, DOT_COUNT)))
+
+    @classmethod
+    def joined(cls, lots: Sequence[VisibleFits]) -> VisibleFits:
+        """The fits of several lots of plates, one after the other."""
+        return cls(PlateFits.joined([lot.fits for lot in lots]), np.concatenate([lot.shares for lot in lots]))
 
     def select(self, chosen: npt.NDArray[np.intp]) -> VisibleFits:
         """The fits of some plates."""
