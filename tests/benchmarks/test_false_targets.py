@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks import triples
 from benchmarks.false_targets import Level, accepted
 from benchmarks.hostile_pictures import KINDS, hostile_picture
 from benchmarks.quintuples import GROUNDS, Forced, count_forced, share_grouped
@@ -32,3 +33,14 @@ def test_quintuples_are_offered_by_the_grouping_and_none_is_accepted(ground: str
 
 def test_few_random_quintuples_look_like_base_dots() -> None:
     assert 0.0 < share_grouped(2_000, seed=2) < 0.03
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_triples_beside_a_board_are_offered_and_none_is_accepted(ground: str) -> None:
+    result = triples.count_forced((ground, 3))
+    assert result.drawn == 108 and result.grouped > 20
+    assert (result.accepted, result.listed) == (0, 0)
+
+
+def test_half_of_random_triples_look_like_e_and_two_corners() -> None:
+    assert 0.4 < triples.share_offered(500, seed=2) < 0.6
