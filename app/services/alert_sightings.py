@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy.typing as npt
 from sqlalchemy.orm import Session
 
 from app.photogrammetry.evidence import SnapshotEvidence
-from app.storage.alerts import Alert, AlertRepository
+from app.storage.alerts import Alert, AlertKind, AlertRepository
 from app.storage.map_evidence import EvidenceRepository, KeptEvidence
 
 Array = npt.NDArray[np.float64]
@@ -68,8 +68,13 @@ def _seen(session: Session, alert: Alert) -> Iterator[AlertSighting]:
     span_s = trouble.since_s, trouble.last_s
     for kept in EvidenceRepository(session).between(alert.site_id, alert.map_version, span_s):
         evidence = kept.snapshot.evidence
-        if evidence is not None and trouble.code in evidence.seen_codes:
+        if evidence is not None and trouble.code in _codes_told(evidence, trouble.kind):
             yield _sighting(kept, evidence, trouble.code)
+
+
+def _codes_told(evidence: SnapshotEvidence, kind: AlertKind) -> Collection[int]:
+    """A code that the map lacks is told by snapshots that read it surely, others by all that show their target."""
+    return evidence.unknown_codes if kind == "unknown-target" else evidence.seen_codes
 
 
 def _sighting(kept: KeptEvidence, evidence: SnapshotEvidence, code: int) -> AlertSighting:
