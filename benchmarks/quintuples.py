@@ -17,6 +17,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -86,11 +87,11 @@ def main() -> int:
     arguments = _arguments()
     with progress() as report:
         share = share_grouped(arguments.random, seed=1)
-        totals = measure(arguments.pictures, arguments.workers, report)
+        totals = measure(count_forced, arguments.pictures, arguments.workers, report)
     print_table(
         f"Random quintuples: {share:.2e} of {arguments.random} look like base dots. Forced into that shape, at normal:",
         ["ground", "drawn", "grouped", "accepted", "on the list", "listed, random, at most"],
-        [_line(ground, total, share) for ground, total in [*totals.items(), ("all", sum(totals.values(), NONE))]],
+        [line_of(ground, total, share) for ground, total in [*totals.items(), ("all", sum(totals.values(), NONE))]],
     )
     write_json(arguments.out / "quintuples.json", {"share_grouped": share, "forced": totals})
     return 0
@@ -98,22 +99,29 @@ def main() -> int:
 
 def share_grouped(count: int, seed: int) -> float:
     """Part of quintuples of like dots at random places near each other that the grouping takes for base dots."""
+    return share_of_random(lambda blobs: len(group_base_dots(blobs, FOCAL_PX)) > 0, 5, count, seed)
+
+
+def share_of_random(offers: Callable[[Blobs], bool], dots: int, count: int, seed: int) -> float:
+    """Part of ``count`` sets of so many like dots, at random places near each other, that are offered as a plate's."""
     rng = np.random.default_rng(seed)
-    radius_px, grouped, tried = 4.0, 0, 0
+    radius_px, offered, tried = 4.0, 0, 0
     while tried < count:
-        centres_px = rng.uniform(0.0, AREA_RADII * radius_px * 1.4, (5, 2))
-        apart = np.linalg.norm(centres_px[:, None] - centres_px, axis=2) + 1e9 * np.eye(5)
+        centres_px = rng.uniform(0.0, AREA_RADII * radius_px * 1.4, (dots, 2))
+        apart = np.linalg.norm(centres_px[:, None] - centres_px, axis=2) + 1e9 * np.eye(dots)
         if apart.min() < LEAST_GAP_RADII * radius_px:
             continue
         tried += 1
-        grouped += len(group_base_dots(Blobs(centres_px, np.full((5, 2), radius_px)), FOCAL_PX)) > 0
-    return grouped / count
+        offered += offers(Blobs(centres_px, np.full((dots, 2), radius_px)))
+    return offered / count
 
 
-def measure(pictures: int, workers: int, report: Report) -> dict[str, Forced]:
-    """Forced quintuples by ground, over so many pictures of each."""
+def measure(
+    count: Callable[[tuple[str, int]], Forced], pictures: int, workers: int, report: Report
+) -> dict[str, Forced]:
+    """What ``count`` finds among the forced dots of pictures, by ground, over so many pictures of each."""
     tasks = [(ground, seed) for ground in GROUNDS for seed in range(pictures)]
-    results = in_parallel(count_forced, tasks, (), workers, report)
+    results = in_parallel(count, tasks, (), workers, report)
     totals = dict.fromkeys(GROUNDS, NONE)
     for (ground, _), result in zip(tasks, results, strict=True):
         totals[ground] = totals[ground] + result
@@ -165,7 +173,8 @@ def at_most_by_chance(total: Forced, share: float) -> float:
     return share * at_most / max(total.grouped, 1)
 
 
-def _line(ground: str, total: Forced, share: float) -> list[str]:
+def line_of(ground: str, total: Forced, share: float) -> list[str]:
+    """A ground's counts, and what they say of random ones."""
     counts = (total.drawn, total.grouped, total.accepted, total.listed)
     return [ground, *(str(count) for count in counts), f"{at_most_by_chance(total, share):.1e}"]
 

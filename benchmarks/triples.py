@@ -22,32 +22,30 @@ import numpy as np
 import numpy.typing as npt
 
 from app.cli.arguments import at_least_one
-from app.cli.in_parallel import in_parallel
-from app.cli.progress import Report, progress
+from app.cli.progress import progress
 from app.targets.family import family_by_name
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.detector import detect
-from app.vision.dots import Blobs, find_red_blobs
+from app.vision.dots import find_red_blobs
 from app.vision.hidden_sides import SEEN_CORNERS, complete_sides
 from benchmarks.false_targets import site_codes
 from benchmarks.hostile_pictures import FAMILY, HEIGHT_PX, INKS, WIDTH_PX, Pixels, as_taken, disc, texture
 from benchmarks.output import print_table, write_json
 from benchmarks.quintuples import (
-    AREA_RADII,
     CELL_PX,
     GROUNDS,
-    LEAST_GAP_RADII,
     NONE,
     PX_PER_U,
     RED_RGB,
     Forced,
-    at_most_by_chance,
+    line_of,
+    measure,
     seen_places_px,
+    share_of_random,
 )
 
 Floats = npt.NDArray[np.float64]
 
-RADIUS_PX = 4.0
 E_CELL = BASE_CELLS[4]
 SAME_PLACE_PX = 2.0
 BOARD_REACH_U = (1.0, 2.0)  # beyond the hidden dots' centres, inwards and outwards, at least
@@ -59,11 +57,11 @@ def main() -> int:
     arguments = _arguments()
     with progress() as report:
         share = share_offered(arguments.random, seed=1)
-        totals = measure(arguments.pictures, arguments.workers, report)
+        totals = measure(count_forced, arguments.pictures, arguments.workers, report)
     print_table(
         f"Random triples: {share:.2e} of {arguments.random} look like E and two corners. Forced so, at normal:",
         ["ground", "drawn", "offered", "accepted", "on the list", "listed, random, at most"],
-        [_line(ground, total, share) for ground, total in [*totals.items(), ("all", sum(totals.values(), NONE))]],
+        [line_of(ground, total, share) for ground, total in [*totals.items(), ("all", sum(totals.values(), NONE))]],
     )
     write_json(arguments.out / "triples.json", {"share_offered": share, "forced": totals})
     return 0
@@ -71,25 +69,7 @@ def main() -> int:
 
 def share_offered(count: int, seed: int) -> float:
     """Part of triples of like dots at random places near each other that may be E and two corners."""
-    rng = np.random.default_rng(seed)
-    offered, tried = 0, 0
-    while tried < count:
-        centres_px = rng.uniform(0.0, AREA_RADII * RADIUS_PX * 1.4, (3, 2))
-        apart = np.linalg.norm(centres_px[:, None] - centres_px, axis=2) + 1e9 * np.eye(3)
-        if apart.min() < LEAST_GAP_RADII * RADIUS_PX:
-            continue
-        tried += 1
-        offered += len(complete_sides(Blobs(centres_px, np.full((3, 2), RADIUS_PX)), np.arange(3))[1]) > 0
-    return offered / count
-
-
-def measure(pictures: int, workers: int, report: Report) -> dict[str, Forced]:
-    """Forced triples by ground, over so many pictures of each."""
-    tasks = [(ground, seed) for ground in GROUNDS for seed in range(pictures)]
-    totals = dict.fromkeys(GROUNDS, NONE)
-    for (ground, _), result in zip(tasks, in_parallel(count_forced, tasks, (), workers, report), strict=True):
-        totals[ground] = totals[ground] + result
-    return totals
+    return share_of_random(lambda blobs: len(complete_sides(blobs, np.arange(3))[1]) > 0, 3, count, seed)
 
 
 def count_forced(task: tuple[str, int]) -> Forced:
@@ -139,11 +119,6 @@ def _board(picture: Pixels, dots_px: Floats, side: int, rng: np.random.Generator
     ]
     colour = tuple(int(value) for value in rng.integers(0, 256, 3))
     cv2.fillConvexPoly(picture, np.rint(corners).astype(np.int32), colour, cv2.LINE_AA)
-
-
-def _line(ground: str, total: Forced, share: float) -> list[str]:
-    counts = (total.drawn, total.grouped, total.accepted, total.listed)
-    return [ground, *(str(count) for count in counts), f"{at_most_by_chance(total, share):.1e}"]
 
 
 def _arguments() -> argparse.Namespace:
