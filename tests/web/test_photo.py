@@ -107,6 +107,8 @@ def test_dots_are_marked_with_the_loupe_and_kept(
     placed = marks.get_by_role("list", name="Marks that are set").get_by_role("listitem")
     expect(placed).to_have_count(1)
     expect(placed.first).to_contain_text(f"{target['code']} A")
+    storing = marks.get_by_text("Storing…")
+    expect(storing).to_have_count(0)
     path = f"/surveys/{web_room.survey_id}/images/{NAME}/marks"
     (stored,) = web_served.client.get(path).json()["marks"]
     assert (stored["code"], stored["dot"]) == (target["code"], "A")
@@ -116,12 +118,46 @@ def test_dots_are_marked_with_the_loupe_and_kept(
     surface.press("ArrowRight")
     surface.press("Enter")
     expect(placed).to_have_count(2)
+    expect(storing).to_have_count(0)
     page.reload()
     expect(placed).to_have_count(2)
     for _ in range(2):
         marks.get_by_role("button", name=f"Remove {target['code']}").first.click()
     expect(placed).to_have_count(0)
+    expect(storing).to_have_count(0)
     assert web_served.client.get(path).json() == {"marks": []}
+
+
+def test_marks_set_faster_than_they_are_stored_are_all_kept(
+    page: Page, web_room: Room, web_served: Served, detection: dict[str, Any]
+) -> None:
+    address = f"/surveys/{web_room.survey_id}/images/{NAME}/marks"
+    held: list[Any] = []
+    page.route(f"**{address}", lambda route: held.append(route) if route.request.method == "PUT" else route.continue_())
+    open_photo(page, web_room)
+    marks = page.get_by_role("region", name="Marks")
+    marks.get_by_label("Code").fill(str(detection["targets"][0]["code"]))
+    marks.get_by_role("button", name="Mark in the photograph").click()
+    surface = page.get_by_role("application", name="Enter sets the mark")
+    placed = marks.get_by_role("list", name="Marks that are set").get_by_role("listitem")
+    for _ in range(3):
+        surface.press("ArrowRight")
+        surface.press("Enter")
+    expect(placed).to_have_count(3)
+    expect(marks.get_by_text("Storing…")).to_be_visible()
+    while marks.get_by_text("Storing…").count():
+        while held:
+            held.pop().continue_()
+        page.wait_for_timeout(20)
+    page.unroute(f"**{address}")
+    assert [mark["dot"] for mark in web_served.client.get(address).json()["marks"]] == ["A", "B", "C"]
+    # What the service refuses is told and taken back.
+    page.route(f"**{address}", lambda route: route.abort() if route.request.method == "PUT" else route.continue_())
+    marks.get_by_role("button", name="Remove").first.click()
+    expect(marks.get_by_role("alert")).to_contain_text("cannot be reached")
+    expect(placed).to_have_count(3)
+    page.unroute(f"**{address}")
+    web_served.client.put(address, json={"marks": []})
 
 
 def test_on_a_phone_the_photograph_comes_first(chromium: Browser, web_room: Room, web_served: Served) -> None:

@@ -6,7 +6,7 @@ import { html, useState } from "../core/html.js";
 import { amend } from "../core/router.js";
 import { Badge, Field, Loaded } from "../ui/parts.js";
 import { useExclusion } from "../survey/exclusion.js";
-import { Marking, useMarks, useWanted } from "../survey/marking.js";
+import { Marking, useMarks, useWanted, withMark } from "../survey/marking.js";
 import { PhotoCanvas } from "../survey/photo_canvas.js";
 
 const STRICTNESSES = ["strict", "normal", "eager"];
@@ -39,21 +39,21 @@ function Seen({ site, surveyId, path, detection, points, strictness, onStrictnes
   const [show, setShow] = useState({ found: true, refused: true });
   const [picked, setPicked] = useState(null);
   const [focus, setFocus] = useState(null);
-  const { marks, error, store } = useMarks(path);
+  const marking = useMarks(path);
   const { wanted, setWanted, advance } = useWanted();
   const [exclusion, change] = useExclusion(surveyId);
   const name = detection.name;
-  const onMark = ([x_px, y_px]) => { store([...marks.filter((mark) => mark.code !== Number(wanted.code) || mark.dot !== wanted.dot), { code: Number(wanted.code), dot: wanted.dot, x_px, y_px }]); advance(); };
+  const onMark = ([x_px, y_px]) => { marking.change(withMark({ code: Number(wanted.code), dot: wanted.dot, x_px, y_px })); advance(); };
   const onPick = (point, reach_px) => setPicked(nearest(detection, point, REACH_SCREEN_PX * reach_px));
   const look = (key, dots) => { setPicked(key); setFocus([...dots]); };
   return html`<div class="photo-work">
-    <${PhotoCanvas} path=${path} detection=${detection} marks=${marks} show=${show} picked=${picked} focus=${focus} marking=${wanted.active} onPick=${onPick} onMark=${onMark} />
+    <${PhotoCanvas} path=${path} detection=${detection} marks=${marking.marks ?? []} show=${show} picked=${picked} focus=${focus} marking=${wanted.active} onPick=${onPick} onMark=${onMark} />
     <aside class="card photo-side" aria-label="What was seen">
       <div class="row">${["found", "refused"].map((kind) => html`<label class="row small"><input type="checkbox" checked=${show[kind]} onChange=${() => setShow((before) => ({ ...before, [kind]: !before[kind] }))} /> <span class=${`swatch ${kind}`}></span>${kind}</label>`)}
         <label class="row small"><input type="checkbox" checked=${!exclusion.images.includes(name)} onChange=${() => change("images", name)} /> use in the next build</label></div>
       <${Field} label="Strictness"><select value=${strictness} onChange=${onStrictness}>${STRICTNESSES.map((item) => html`<option>${item}</option>`)}</select></${Field}>
       <${Found} detection=${detection} picked=${picked} look=${look} /><${Refused} detection=${detection} picked=${picked} look=${look} />
-      <${Marking} site=${site} detection=${detection} marks=${marks} error=${error} store=${store} wanted=${wanted} setWanted=${setWanted} points=${points} />
+      <${Marking} site=${site} detection=${detection} marking=${marking} wanted=${wanted} setWanted=${setWanted} points=${points} />
     </aside></div>`;
 }
 
