@@ -137,15 +137,25 @@ def _candidates(bgr: Pixels, options: DetectorOptions) -> PlateFits:
     groups = promising(bgr, blobs, group_base_dots(blobs, least_focal_px, options.grouping), options.proposals)
     fits = _first_look(bgr, blobs, groups, options)
     # Five dots of several plates may pass for a group, but not keep their dots from a plate with a hidden one.
-    claimed = groups[fits.explained() > options.judgement.explained_min]
-    blobs, completed = complete_groups(blobs, np.setdiff1d(np.arange(len(blobs)), claimed), options.hidden_dots)
+    free = _free_blobs(whole, groups, fits, options.judgement)
+    blobs, completed = complete_groups(blobs, free, options.hidden_dots)
     completed = promising(bgr, blobs, completed, options.proposals)
     fits = PlateFits.joined([fits, _first_look(bgr, blobs, completed, options)])
     groups = np.concatenate([groups, completed])
     kept = one_dot_one_target(groups, fits.explained())
     fits, groups = fits.select(kept), groups[kept]
-    claimed = groups[fits.explained() > options.judgement.explained_min]
-    return PlateFits.joined([fits, _half_hidden(bgr, blobs, np.setdiff1d(np.arange(whole), claimed), options)])
+    free = _free_blobs(whole, groups, fits, options.judgement)
+    return PlateFits.joined([fits, _half_hidden(bgr, blobs, free, options)])
+
+
+def _free_blobs(
+    count: int, groups: npt.NDArray[np.intp], fits: PlateFits, options: JudgementOptions
+) -> npt.NDArray[np.intp]:
+    """Those of the first blobs that belong to no group that looks like a plate, strongest first."""
+    claimed = groups[fits.explained() > options.explained_min]
+    free = np.ones(count, dtype=np.bool_)
+    free[claimed[claimed < count]] = False  # behind them stand dots that are made up
+    return np.flatnonzero(free)
 
 
 def _half_hidden(bgr: Pixels, blobs: Blobs, free: npt.NDArray[np.intp], options: DetectorOptions) -> PlateFits:

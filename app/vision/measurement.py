@@ -62,6 +62,9 @@ class PlateFits:
     @classmethod
     def joined(cls, parts: Sequence[PlateFits]) -> PlateFits:
         """The fits of several lots of plates, one after the other."""
+        filled = [part for part in parts if len(part.px_per_u)]
+        if len(filled) == 1:
+            return filled[0]
         return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
     def explained(self) -> Array:
