@@ -19,11 +19,11 @@ STEPS = 5
 NEAR = 0.02  # of the seen part: fingers stand on whole pixels
 FINGER_PX = 2.0
 WHEEL = 0.0015  # of a zoom, for each pixel of the wheel (plan/hands.js)
-CODE_ABOVE_PX = 6.0  # its plate (plan/draw.js)
-# Where a plan writes the codes of its targets.
-WATCH_CODES = """() => { window.codes = {}; const write = CanvasRenderingContext2D.prototype.fillText;
-  CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
-    if (/^\\d{3,}$/.test(text)) window.codes[text] = [x, y]; return write.call(this, text, x, y); }; }"""
+PLATE_LINE_PX = 3  # no other line of a plan is as broad (plan/draw.js)
+# Where a plan draws a corner of each of its plates.
+WATCH_PLATES = f"""() => {{ window.plates = []; const move = CanvasRenderingContext2D.prototype.moveTo;
+  CanvasRenderingContext2D.prototype.moveTo = function (x, y) {{
+    if (this.lineWidth === {PLATE_LINE_PX}) window.plates.push([x, y]); return move.call(this, x, y); }}; }}"""
 
 
 @pytest.fixture
@@ -86,29 +86,38 @@ def test_two_fingers_zoom_a_photograph_about_their_middle_and_one_drags_it(touch
     assert touched.locator(".overlay .picked").count() == 0
 
 
-def places(page: Page, change: Callable[[], None]) -> dict[str, list[float]]:
-    """Where a plan writes its codes once something has changed it."""
-    page.evaluate("() => { window.codes = {}; }")
+def drawn(page: Page) -> None:
+    """What was asked for is on the screen."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def places(page: Page, change: Callable[[], None]) -> list[Point]:
+    """Where a plan draws its plates once something has changed it for the last time."""
     change()
-    wait_until(page, "() => Object.keys(window.codes).length > 3")
-    found: dict[str, list[float]] = page.evaluate("() => window.codes")
+    drawn(page)
+    page.evaluate("() => { window.plates = []; }")
+    page.get_by_label("Plan of").dispatch_event("wheel", {"deltaY": 0})  # draws what is seen anew
+    wait_until(page, "() => window.plates.length > 0")
+    found: list[Point] = page.evaluate("() => window.plates")
     return found
 
 
-def assert_zoomed(before: dict[str, list[float]], after: dict[str, list[float]], factor: float, about: Point) -> None:
-    """Each plate went away from the middle by the factor; codes stand above their plates."""
-    shared = before.keys() & after.keys()
-    assert shared
-    for name in shared:
-        for old, new, middle, offset in zip(before[name], after[name], about, (0.0, CODE_ABOVE_PX), strict=True):
-            assert new + offset == pytest.approx(middle + factor * (old + offset - middle), abs=FINGER_PX)
+def zoomed(points: list[Point], factor: float, about: Point) -> list[Point]:
+    """Points that went away from a middle by a factor."""
+    return [(about[0] + factor * (x - about[0]), about[1] + factor * (y - about[1])) for x, y in points]
+
+
+def assert_near(found: list[Point], expected: list[Point]) -> None:
+    assert len(found) > 3
+    for seen_at, expected_at in zip(found, expected, strict=True):
+        assert seen_at == pytest.approx(expected_at, abs=FINGER_PX)
 
 
 def test_fingers_and_wheel_on_a_plan(touched: Page, web_room: Room) -> None:
     touched.goto(f"/#/trajectories/{web_room.trajectory_id}")
     plan = touched.get_by_label(re.compile("Plan of"))
     expect(plan).to_be_visible()
-    touched.evaluate(WATCH_CODES)
+    touched.evaluate(WATCH_PLATES)
     plan.focus()
     plan.scroll_into_view_if_needed()
     (x, y), (left, top) = middle_of(plan)
@@ -117,14 +126,13 @@ def test_fingers_and_wheel_on_a_plan(touched: Page, web_room: Room) -> None:
     whole = places(touched, lambda: plan.press("0"))
     apart = [(x - 45, y), (x + 45, y)]
     pinched = places(touched, lambda: move_fingers(touched, [(x - 30, y), (x + 30, y)], apart))
-    assert_zoomed(whole, pinched, 1.5, about)
+    assert_near(pinched, zoomed(whole, 1.5, about))
     dragged = places(touched, lambda: move_fingers(touched, [(x, y)], [(x + 40, y - 30)]))
-    for name in pinched.keys() & dragged.keys():
-        assert [dragged[name][0] - 40, dragged[name][1] + 30] == pytest.approx(pinched[name], abs=FINGER_PX)
+    assert_near(dragged, [(plate_x + 40, plate_y - 30) for plate_x, plate_y in pinched])
     fitted = places(touched, lambda: plan.press("0"))
     touched.mouse.move(x - 100, y + 50)
     wheeled = places(touched, lambda: touched.mouse.wheel(0, -200))
-    assert_zoomed(fitted, wheeled, math.exp(200 * WHEEL), (about[0] - 100, about[1] + 50))
+    assert_near(wheeled, zoomed(fitted, math.exp(200 * WHEEL), (about[0] - 100, about[1] + 50)))
 
 
 def test_two_fingers_come_closer_in_the_room(touched: Page, web_room: Room) -> None:
@@ -133,7 +141,13 @@ def test_two_fingers_come_closer_in_the_room(touched: Page, web_room: Room) -> N
     expect(canvas).to_be_visible()
     canvas.scroll_into_view_if_needed()
     (x, y), _ = middle_of(canvas)
-    before = canvas.screenshot()
+    away_m = float(canvas.get_attribute("data-away") or "nan")
     move_fingers(touched, [(x - 30, y), (x + 30, y)], [(x - 90, y), (x + 90, y)])
-    touched.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    assert canvas.screenshot() != before
+    drawn(touched)
+    closer_m = float(canvas.get_attribute("data-away") or "nan")
+    assert away_m / closer_m == pytest.approx(3.0, rel=NEAR)
+    before = canvas.screenshot()
+    move_fingers(touched, [(x, y)], [(x + 60, y)])
+    drawn(touched)
+    assert canvas.screenshot() != before  # one finger turns it
+    assert float(canvas.get_attribute("data-away") or "nan") == pytest.approx(closer_m)

@@ -12,14 +12,14 @@ export function Live({ onFiles }) {
   const [open, setOpen] = useState(false);
   const [size, setSize] = useState(null);
   const camera = useCamera(open);
-  const video = useRef(null);
+  const eye = useRef(null); // the video that pictures are taken from
   const taking = useAction(async () => {
-    const { blob } = await frameOf(video.current);
+    const { blob } = await frameOf(eye.current);
     onFiles([new File([blob], nameNow("frame", ".jpg"), { type: blob.type })]);
   });
   if (!open) return html`<${Button} onClick=${() => setOpen(true)}>Use the live camera</${Button}>`;
   return html`<div class="live"><${Failure} error=${taking.error} />
-    <${Preview} camera=${camera} video=${video} size=${size} onSize=${setSize} />
+    <${Preview} camera=${camera} eye=${eye} size=${size} onSize=${setSize} />
     <div class="row"><${Button} kind="primary" busy=${taking.busy} disabled=${!camera.stream || !size} onClick=${taking.run}>Take this picture</${Button}><${Button} onClick=${() => { setOpen(false); setSize(null); }}>Close the camera</${Button}></div>
     <p class="small muted">For the phone page's live view: what is filmed and what is photographed differ in size, so that each is calibrated by itself.</p></div>`;
 }

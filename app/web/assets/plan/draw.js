@@ -1,13 +1,11 @@
 // What stands on every plan: axes in metres, a scale bar, the targets.
 import { colour } from "../ui/theme.js";
+import { boxOf, drawCodes } from "./codes.js";
 import { lengthText, MARGIN_PX, pixelsOf, placeAt, roundBelow, ticks } from "./view.js";
 
 const FONT = "12px system-ui, sans-serif";
 const BETWEEN_TICKS_PX = 90;
 const BAR_PX = 140; // at most
-const CODE_PX = 14; // a line of text
-const BETWEEN_CODES_PX = 2;
-const ABOVE_PX = 6; // its plate
 const PLATE_U = 6.5; // half a plate's side, in modules
 
 /** Grid, axes and scale bar. */
@@ -62,23 +60,11 @@ export function drawTargets(context, view, targets, plate_u_m) {
   context.strokeStyle = context.fillStyle = colour("target");
   context.lineWidth = 3;
   context.beginPath();
-  for (const target of targets) cornersOf(target, plate_u_m).forEach(([x_m, y_m], index) => (index ? context.lineTo(toX(x_m), toY(y_m)) : context.moveTo(toX(x_m), toY(y_m))));
+  const plates = targets.map((target) => cornersOf(target, plate_u_m).map(([x_m, y_m]) => [toX(x_m), toY(y_m)]));
+  for (const plate of plates) plate.forEach(([x, y], index) => (index ? context.lineTo(x, y) : context.moveTo(x, y)));
   context.stroke();
-  drawCodes(context, targets.map((target) => ({ text: String(target.code), x: toX(target.position_m[0]), y: toY(target.position_m[1]) - ABOVE_PX })));
-}
-
-/** Those codes that have room; closer to, there is room for more. */
-function drawCodes(context, codes) {
   context.font = FONT;
-  context.textAlign = "center";
-  context.textBaseline = "bottom";
-  const written = [];
-  for (const { text, x, y } of codes) {
-    const half = context.measureText(text).width / 2 + BETWEEN_CODES_PX;
-    if (written.some((other) => Math.abs(other.x - x) < other.half + half && Math.abs(other.y - y) < CODE_PX)) continue;
-    written.push({ x, y, half });
-    context.fillText(text, x, y);
-  }
+  drawCodes(context, view, targets.map((target, index) => ({ text: String(target.code), plate: boxOf(plates[index]) })));
 }
 
 function cornersOf({ position_m, orientation_xyzw: [x, y, z, w] }, plate_u_m) {

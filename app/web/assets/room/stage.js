@@ -25,7 +25,7 @@ export const canDraw = () => Boolean(document.createElement("canvas").getContext
 
 export class Stage {
   /**
-   * @param {HTMLCanvasElement} canvas whose `data-draw-calls` tells how many calls the last frame took
+   * @param {HTMLCanvasElement} canvas whose `data-draw-calls` tells how many calls the last frame took, `data-away` from how far it was seen
    * @param {(item: object | null) => void} onPick
    */
   constructor(canvas, onPick) {
@@ -155,8 +155,11 @@ export class Stage {
     if (this.pending || !this.camera) return;
     this.pending = requestAnimationFrame(() => {
       this.pending = 0;
+      this.camera.updateMatrixWorld();
+      this.layers.codes?.children[0]?.userData.arrange(this.camera, this.picked);
       this.renderer.render(this.scene, this.camera);
       this.canvas.dataset.drawCalls = this.renderer.info.render.calls;
+      this.canvas.dataset.away = this.controls.getDistance?.() ?? ""; // metres from what the camera turns about
       this.canvas.dataset.instances = this.items.length + (this.poses?.length ?? 0);
     });
   }

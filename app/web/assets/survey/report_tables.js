@@ -18,7 +18,7 @@ export function Photos({ site, surveyId, report, use }) {
     { key: "rms", label: "Residuals, rms", right: true, value: (photo) => photo.rms_px ?? LEFT_OUT_FIRST, show: (photo) => (photo.reason === undefined ? pixels(photo.rms_px, 3) : html`<${Badge} kind="bad">not used</${Badge}>`) },
     { key: "targets", label: "Targets", right: true, value: (photo) => photo.targets ?? 0 },
     { key: "sigma", label: "Sigma of place", right: true, value: (photo) => sigma(photo.position_sigma_m), show: (photo) => mm(sigma(photo.position_sigma_m), 2) },
-    ...(report.photographs_left_out.length ? [{ key: "why", label: "Why not", value: (photo) => photo.reason ?? "" }] : []),
+    ...(report.photographs_left_out.length ? [{ key: "why", label: "Why not", text: true, value: (photo) => photo.reason ?? "" }] : []),
   ];
   return html`<h2>Photographs</h2><${Table} caption="Photographs, the worst first" columns=${columns} rows=${rows} keyOf=${(photo) => photo.name} sortBy="rms" descending=${true} />`;
 }
@@ -32,7 +32,7 @@ export function Targets({ site, report, use }) {
     { key: "rms", label: "Residuals, rms", right: true, value: (target) => target.rms_px, show: (target) => pixels(target.rms_px, 3) },
     { key: "rays", label: "Rays", right: true, value: (target) => target.rays, show: (target) => target.rays ?? UNCHECKED },
     { key: "angle", label: "Angle", right: true, value: (target) => target.intersection_deg, show: (target) => degrees(target.intersection_deg, 1) },
-    ...(report.left_out.length ? [{ key: "why", label: "Why not", value: (target) => target.detail ?? "" }] : []),
+    ...(report.left_out.length ? [{ key: "why", label: "Why not", text: true, value: (target) => target.detail ?? "" }] : []),
   ];
   return html`<h2>Targets</h2><${Table} caption="Targets, the worst first" columns=${columns} rows=${rows} keyOf=${(target) => `${target.code} ${target.reason ?? ""}`} sortBy="sigma" descending=${true} />`;
 }

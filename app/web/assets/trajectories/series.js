@@ -48,7 +48,7 @@ function Quantity({ quantity, poses, gap_s, pointer, range }) {
       scales: timeScale(data[0]),
       series: [{}, edge, edge, { stroke, width: 1.5, points: { show: poses.length < POINTS_BELOW, size: 4, fill: stroke }, gaps }],
       bands: [{ series: [1, 2], fill: `${stroke}40` }],
-      padding: [6, 12, 6, 0],
+      padding: [6, 28, 6, 0],
     };
   };
   return html`<${Chart} label=${`${quantity.name} over time`} data=${data} make=${make} keys=${[gap_s, poses.length < POINTS_BELOW, timeScale(data[0]).x.time]} height_px=${SERIES_PX} pointer=${pointer} range=${range} />`;
@@ -73,7 +73,7 @@ function Strip({ poses, failures, gap_s, pointer, range }) {
     scales: { ...timeScale(times), y: { range: [0, 1] } },
     series: [{}, { stroke: "transparent", points: { show: false } }],
     hooks: { draw: [(chart) => drawStrip(chart, poses, failures, gap_s)] },
-    padding: [6, 12, 0, 0],
+    padding: [6, 28, 0, 0],
   });
   const data = useMemo(() => [times, times.map(() => null)], [times]);
   return html`<${Chart} label=${stripText(poses, failures, gap_s)} data=${data} make=${make} keys=${[poses, failures, gap_s]} height_px=${STRIP_PX} pointer=${pointer} range=${range} />

@@ -47,7 +47,7 @@ export function Dialog({ title, onClose, children }) {
 }
 
 /**
- * A table whose columns sort. A column is {key, label, value(row), show?(row), right?}.
+ * A table whose columns sort. A column is {key, label, value(row), show?(row), right?, text?}: `right` for numbers, `text` for sentences.
  * With `onPick` rows are chosen by click or Enter.
  */
 export function Table({ columns, rows, keyOf, sortBy = null, descending = false, onPick, picked, caption }) {
@@ -60,7 +60,7 @@ export function Table({ columns, rows, keyOf, sortBy = null, descending = false,
       <button type="button" onClick=${() => turn(column.key)}>${column.label}</button></th>`)}</tr></thead>
     <tbody>${sorted.map((row) => html`<tr key=${keyOf(row)} aria-selected=${picked === keyOf(row) ? "true" : null} tabindex=${onPick ? 0 : null}
       onClick=${onPick && (() => onPick(row))} onKeyDown=${onPick && ((event) => event.key === "Enter" && onPick(row))}>
-      ${columns.map((column) => html`<td class=${column.right ? "right number" : ""}>${(column.show || column.value)(row)}</td>`)}</tr>`)}</tbody>
+      ${columns.map((column) => html`<td class=${column.right ? "right number" : column.text ? "text" : ""}>${(column.show || column.value)(row)}</td>`)}</tr>`)}</tbody>
   </table></div>`;
 }
 
