@@ -12,18 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from app.targets.layout import PLATE_SIDE_U
-from app.vision.kernels.sides import SIDES, walk_lines
+from app.vision.kernels.sides import ANY_SIDE, SIDES, walk_lines
+from app.vision.kernels.sight import mark_seen
 from app.vision.patches import LINEAR_FROM_CODED
 from app.vision.proposals import GAPS_U
 
 Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
 Pixels = npt.NDArray[np.uint8]
 
 LINES_U = np.array([-5.9, -3.0, 0.0, 3.0, 5.9])
-# Plate coordinates of (across, from the side inwards), one row per side: top, right, bottom, left.
-TURNS = np.array([[[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]]], dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,8 @@ class SideOptions:
         Lines of five that must end: a stain or a shadow's edge takes one or two.
     area_min : float
         Part of the plate that must be in sight: a board over a quarter of a side, and its blurred edge, leave 0.7.
+    black_share_min : float
+        Part of the lines of black in sight that must be black: cloth and walls are not.
     margin_u : float
         Beyond the last colour that is not black: the edge is blurred.
     """
@@ -52,6 +53,7 @@ class SideOptions:
     off_black_min: float = 0.14
     lines_min: int = 3
     area_min: float = 0.6
+    black_share_min: float = 0.85
     margin_u: float = 0.35
 
     def inwards_u(self) -> Array:
@@ -65,36 +67,40 @@ class CoveredSides:
 
     Attributes
     ----------
+    image_from_plate : ndarray of shape (P, 3, 3)
+        Where they are.
+    red : ndarray of shape (P,)
+        The base dots' red above black, linear light.
     depths_u : ndarray of shape (P, 4, 5)
-        How far each side is covered on each line, top, right, bottom, left; 0 where it is not.
-    black_share : ndarray of shape (P,)
-        Part of the lines in sight that is black.
+        How far each side is covered on each line, top, right, bottom, left; 0 where it is not. Of plates whose lines
+        are not black in sight, nothing.
     """
 
+    image_from_plate: Array
+    red: Array
     depths_u: Array
-    black_share: Array
 
-    def any(self) -> Mask:
-        """Which plates are covered from some side, shape (P,)."""
-        return np.asarray((self.depths_u > 0.0).any(axis=(1, 2)), dtype=np.bool_)
+    def covered(self) -> Indices:
+        """The plates that are covered from some side, and black beside that."""
+        return np.flatnonzero((self.depths_u > 0.0).any(axis=(1, 2)))
 
-    def select(self, chosen: npt.NDArray[np.intp]) -> CoveredSides:
+    def select(self, chosen: Indices) -> CoveredSides:
         """What hides some of the plates."""
-        return CoveredSides(self.depths_u[chosen], self.black_share[chosen])
+        return CoveredSides(self.image_from_plate[chosen], self.red[chosen], self.depths_u[chosen])
 
     def seen(self, points_u: Array) -> Mask:
         """Which plate points, of shape (S, 2), are in sight on each plate, shape (P, S)."""
-        seen = np.ones((len(self.depths_u), len(points_u)), dtype=np.bool_)
-        for side, turn in enumerate(TURNS):
-            across_u, down_u = (points_u @ turn).T
-            for plate in np.flatnonzero(self.depths_u[:, side].any(axis=1)):
-                depth_u = np.interp(across_u, LINES_U, self.depths_u[plate, side])
-                seen[plate] &= down_u + PLATE_SIDE_U / 2 > depth_u
+        seen = np.empty((len(self.depths_u), len(points_u)), dtype=np.bool_)
+        mark_seen(self.depths_u, LINES_U, points_u, seen)
         return seen
 
 
 def covered_sides(
-    bgr: Pixels, red: Array, image_from_plate: Array, options: SideOptions = SideOptions()
+    bgr: Pixels,
+    red: Array,
+    image_from_plate: Array,
+    options: SideOptions = SideOptions(),
+    must: Indices | None = None,
 ) -> CoveredSides:
     """Look along the lines of black of P plates.
 
@@ -104,12 +110,17 @@ def covered_sides(
     red : ndarray of shape (P,)
         The base dots' red above black, linear light.
     image_from_plate : ndarray of shape (P, 3, 3)
+    options : SideOptions
+    must : ndarray of shape (P,), optional
+        The side that must be covered, 0 to 3.
     """
-    count, inwards_u = len(image_from_plate), options.inwards_u()
-    leading, black_share = np.empty((count, SIDES, len(LINES_U)), dtype=np.int64), np.empty(count)
+    count = len(image_from_plate)
+    depths_u = np.empty((count, SIDES, len(LINES_U)))
+    if must is None:
+        must = np.full(count, ANY_SIDE)
+    tables = (LINEAR_FROM_CODED, GAPS_U, LINES_U, options.inwards_u())
     limits = options.off_black_min * np.maximum(red, 1.0)
-    tables = (LINEAR_FROM_CODED, GAPS_U, LINES_U, inwards_u)
+    bounds = (options.lines_min, options.area_min, options.black_share_min, options.margin_u)
     homographies = np.ascontiguousarray(image_from_plate)
-    walk_lines(bgr, tables, homographies, limits, (options.lines_min, options.area_min), leading, black_share)
-    ends_u = inwards_u[np.maximum(leading - 1, 0)] + options.margin_u
-    return CoveredSides(np.where(leading > 0, ends_u, 0.0), black_share)
+    walk_lines(bgr, tables, homographies, limits, must, bounds, depths_u)
+    return CoveredSides(homographies, red, depths_u)

@@ -20,12 +20,11 @@ from app.vision.centres import (
     locate_dots,
     refine_homographies,
 )
-from app.vision.covered_sides import covered_sides
 from app.vision.covering import CoveringOptions, covered_base_dots
 from app.vision.dots import Blobs, DotOptions, find_red_blobs
 from app.vision.grouping import GroupingOptions, group_base_dots
 from app.vision.hidden_dots import HiddenDotOptions, complete_groups
-from app.vision.hidden_sides import HiddenSideOptions, complete_sides, red_of_blobs
+from app.vision.hidden_sides import HiddenSideOptions, behind_sides
 from app.vision.homography import image_from_corner_dots
 from app.vision.ink_noise import weigh_by_ink
 from app.vision.inks import InkOptions, read_inks
@@ -39,7 +38,7 @@ from app.vision.judgement import (
 from app.vision.measurement import PlateFits, SizedPatches, fit_patches
 from app.vision.parts_in_sight import PartOptions, fit_covered, fit_in_sight
 from app.vision.patches import Pyramid, take_patches
-from app.vision.proposals import BASE_U, ProposalOptions, promising
+from app.vision.proposals import ProposalOptions, promising
 from app.vision.reading import CodeBook, MeasuredPlates, ReadingOptions, Strictness, read_plates
 from app.vision.settling import SettlingOptions, settle_dots, settled_covariances, settled_plates
 from app.vision.template import PatchGrid
@@ -160,15 +159,10 @@ def _free_blobs(
 
 def _half_hidden(bgr: Pixels, blobs: Blobs, free: npt.NDArray[np.intp], options: DetectorOptions) -> PlateFits:
     """Plates of which a side is covered with both its corner dots, at first sight, from blobs of no other plate."""
-    whole, parts = len(blobs), options.parts.at_first_sight()
-    blobs, groups = complete_sides(blobs, free, options.hidden_sides)
-    groups = promising(bgr, blobs, groups, options.hidden_sides.proposals)
-    image_from_plate, red = image_from_corner_dots(blobs.centres_px[groups[:, :4]]), red_of_blobs(bgr, blobs, groups)
-    sides = covered_sides(bgr, red, image_from_plate, parts.sides)
-    # What was made up must be hidden, and what was seen in sight.
-    suits = np.flatnonzero((sides.seen(BASE_U) == (groups < whole)).all(axis=1))
-    found, visible = fit_covered(Pyramid.of(bgr, 1), image_from_plate[suits], red[suits], options.blur_px, parts)
-    return visible.fits.select(one_dot_one_target(groups[suits[found]], visible.fits.explained()))
+    parts = options.parts.at_first_sight()
+    groups, sides = behind_sides(bgr, blobs, free, options.hidden_sides, parts.sides)
+    found, visible = fit_covered(Pyramid.of(bgr, 1), sides, options.blur_px, parts)
+    return visible.fits.select(one_dot_one_target(groups[found], visible.fits.explained()))
 
 
 def _first_look(bgr: Pixels, blobs: Blobs, groups: npt.NDArray[np.intp], options: DetectorOptions) -> PlateFits:

@@ -13,12 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import BASE_NAMES
-from app.vision.dots import Blobs, sample_rows
+from app.vision.covered_sides import CoveredSides, SideOptions, covered_sides
+from app.vision.dots import Blobs
 from app.vision.grouping import GroupingOptions, nearest_of_like_size
-from app.vision.kernels.inkwell import RED
-from app.vision.kernels.threes import find_threes
+from app.vision.homography import image_from_corner_dots
+from app.vision.kernels.sides import SIDES
+from app.vision.kernels.threes import find_threes, make_up_corners, measure_reds
 from app.vision.patches import LINEAR_FROM_CODED
-from app.vision.proposals import BASE_U, ProposalOptions
+from app.vision.proposals import BASE_U, ProposalOptions, promising
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
@@ -36,6 +38,7 @@ def _inverse_by_side() -> Array:
 
 
 INVERSE_BY_SIDE = _inverse_by_side()
+ACROSS_U = np.ascontiguousarray(BASE_U[HIDDEN_CORNERS] - BASE_U[E])
 
 
 @dataclass(frozen=True)
@@ -85,27 +88,50 @@ def complete_sides(
     nearest = nearest_of_like_size(pool, GroupingOptions(neighbours=options.neighbours))
     bounds = (options.axes_off_max, options.axes_off_px)
     threes = find_threes(pool.centres_px, pool.semi_axes_px, nearest, INVERSE_BY_SIDE, bounds)
-    seen, side, count = threes[:, :3], threes[:, 3], len(threes)
-    legs_px = pool.centres_px[seen[:, 1:]] - pool.centres_px[seen[:, :1]]  # (G, 2 corners, 2)
-    px_per_u = legs_px.transpose(0, 2, 1) @ INVERSE_BY_SIDE[side]
-    offset_u = BASE_U[HIDDEN_CORNERS[side]] - BASE_U[E]
-    centres_px = pool.centres_px[seen[:, :1]] + offset_u @ px_per_u.transpose(0, 2, 1)
-    semi_axes_px = np.repeat(pool.semi_axes_px[seen].mean(axis=1), 2, axis=0)
-    groups, row = np.empty((count, len(BASE_NAMES)), dtype=np.intp), np.arange(count)[:, None]
-    groups[:, E] = chosen[seen[:, 0]]
-    groups[row, SEEN_CORNERS[side]] = chosen[seen[:, 1:]]
-    groups[row, HIDDEN_CORNERS[side]] = len(blobs) + np.arange(2 * count).reshape(count, 2)
-    extended = Blobs(
-        np.concatenate([blobs.centres_px, centres_px.reshape(-1, 2)]),
-        np.concatenate([blobs.semi_axes_px, semi_axes_px]),
-    )
-    return extended, groups
+    groups = np.empty((len(threes), len(BASE_NAMES)), dtype=np.intp)
+    centres_px, semi_axes_px = np.empty((2, 2 * len(threes), 2))
+    dots = (pool.centres_px, pool.semi_axes_px)
+    make_up_corners(threes, dots, (INVERSE_BY_SIDE, ACROSS_U), groups, centres_px, semi_axes_px)
+    extended = Blobs(np.concatenate([blobs.centres_px, centres_px]), np.concatenate([blobs.semi_axes_px, semi_axes_px]))
+    places = np.concatenate([chosen, len(blobs) + np.arange(2 * len(threes))])
+    return extended, places[groups]
 
 
-def red_of_blobs(bgr: Pixels, blobs: Blobs, groups: Indices) -> Array:
+def behind_sides(
+    bgr: Pixels, blobs: Blobs, free: Indices, options: HiddenSideOptions, sides: SideOptions
+) -> tuple[Indices, CoveredSides]:
+    """Plates of which a side is covered with both its corner dots, and what covers them.
+
+    Parameters
+    ----------
+    bgr : ndarray of shape (H, W, 3), uint8
+    blobs : Blobs
+    free : ndarray of shape (F,)
+        Indices of blobs that belong to no other plate, strongest first.
+    options : HiddenSideOptions
+    sides : SideOptions
+
+    Returns
+    -------
+    groups : ndarray of shape (G, 5)
+        A, B, C, D, E as indices of blobs; beyond those given, of dots that are hidden.
+    covered : CoveredSides
+        Through the five dots: good to half a dot's radius.
+    """
+    extended, groups = complete_sides(blobs, free, options)
+    groups = promising(bgr, extended, groups, options.proposals)
+    base_px, made_up = extended.centres_px[groups], groups >= len(blobs)
+    corners = made_up[:, HIDDEN_CORNERS].all(axis=2)  # side by side that is seen
+    hidden_side = (np.argmax(corners, axis=1) + 2) % SIDES
+    image_from_plate = image_from_corner_dots(base_px[:, : len(SEEN_CORNERS)])
+    covered = covered_sides(bgr, _red_of(bgr, base_px), image_from_plate, sides, hidden_side)
+    # What was made up must be hidden, and what was seen in sight.
+    suits = np.flatnonzero((covered.seen(BASE_U) != made_up).all(axis=1))
+    return groups[suits], covered.select(suits)
+
+
+def _red_of(bgr: Pixels, base_px: Array) -> Array:
     """Red of the third brightest of each group's five dots, shape (G,), linear light."""
-    if not len(groups):
-        return np.zeros(0)
-    coded = sample_rows(bgr, blobs.centres_px[groups])[..., RED]
-    result: Array = np.sort(LINEAR_FROM_CODED[np.rint(coded).astype(np.intp)], axis=1)[:, 2].astype(np.float64)
-    return result
+    red = np.empty(len(base_px))
+    measure_reds(bgr, LINEAR_FROM_CODED, base_px, red)
+    return red

@@ -8,14 +8,14 @@ plate all the more: a fit that may leave out what does not suit it explains more
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import BASE_CELLS, DOT_COUNT
 from app.vision.centres import CentreOptions, locate_dots, refine_homographies
-from app.vision.covered_sides import SideOptions, covered_sides
+from app.vision.covered_sides import CoveredSides, SideOptions, covered_sides
 from app.vision.inks import read_inks
 from app.vision.kernels.inkwell import RED
 from app.vision.measurement import PlateFits
@@ -28,7 +28,7 @@ Mask = npt.NDArray[np.bool_]
 Indices = npt.NDArray[np.intp]
 
 BASE = list(BASE_CELLS)
-THIRD = 2  # of five in order, greatest first: two base dots may be covered
+THIRD = 2  # of five in order: two base dots may be covered
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,6 @@ class PartOptions:
         Of less than this nothing is expected: plates a quarter covered by white paper have 0.3.
     plates_max : int
         The best explained of those: bounds the time a hostile picture can take.
-    black_share_min : float
-        Part of the lines of black in sight that must be black: cloth and walls are not.
     explained_min : float
         Part of the variance in sight that the model explains: plates have 0.98 in good light.
     base_hidden_max : int
@@ -61,7 +59,6 @@ class PartOptions:
     doubted_below: float = 0.9
     doubted_above: float = 0.25
     plates_max: int = 60
-    black_share_min: float = 0.85
     explained_min: float = 0.9
     base_hidden_max: int = 2
     rounds: int = 2
@@ -104,55 +101,61 @@ def fit_in_sight(
         Where they may be, the likeliest first: what covers a plate may have misled any of them.
     blur_px : float
     """
-    explained, nothing = fits.explained(), np.zeros((len(fits.px_per_u), DOT_COUNT), dtype=np.bool_)
+    doubted = _doubted(fits, options)
+    red, each = np.tile(third_red(fits.amplitudes[doubted]), len(starts)), np.tile(doubted, len(starts))
+    image_from_plate = np.concatenate([start[doubted] for start in starts])
+    sides = covered_sides(pyramid.bgr, red, image_from_plate, options.sides)
+    suspects, done = sides.covered(), np.zeros(len(fits.px_per_u), dtype=np.bool_)
+    found = list[tuple[Indices, VisibleFits]]()
+    for number in range(len(starts)):
+        likely = suspects[suspects // max(len(doubted), 1) == number]
+        likely = likely[~done[each[likely]]]
+        stands, visible = fit_covered(pyramid, sides.select(likely), blur_px, options)
+        found.append((each[likely[stands]], visible))
+        done[each[likely[stands]]] = True
+    return _put_together(fits, [lot for lot in found if len(lot[0])])
+
+
+def _doubted(fits: PlateFits, options: PartOptions) -> Indices:
+    """Plates that may be covered, the best explained first."""
+    explained = fits.explained()
     doubtful = (explained < options.doubted_below) | ~read_inks(fits.amplitudes).red_base.all(axis=1)
     doubted = np.flatnonzero(doubtful & (explained > options.doubted_above))
-    doubted = doubted[np.argsort(-explained[doubted], kind="stable")[: options.plates_max]]
-    plates, lots = doubted[:0], list[VisibleFits]()
-    for image_from_plate in starts:
-        left = np.setdiff1d(doubted, plates)
-        red = third_red(fits.select(left))
-        found, visible = fit_covered(pyramid, image_from_plate[left], red, blur_px, options)
-        plates = np.concatenate([plates, left[found]])
-        lots.append(visible)
-    if not len(plates):
-        return PartsInSight(fits, nothing, nothing)
-    visible = VisibleFits.joined(lots)
-    rows = np.arange(len(explained))
-    rows[plates] = len(explained) + np.arange(len(plates))
-    hidden, cut = nothing.copy(), nothing.copy()
-    hidden[plates], cut[plates] = visible.hidden, visible.cut
-    return PartsInSight(PlateFits.joined([fits, visible.fits]).select(rows), hidden, cut)
+    return doubted[np.argsort(-explained[doubted], kind="stable")[: options.plates_max]]
 
 
-def third_red(fits: PlateFits) -> Array:
-    """Red of the third brightest base dot, shape (P,): two of the five may be covered."""
-    return np.sort(fits.amplitudes[:, BASE, RED], axis=1)[:, ::-1][:, THIRD]
+def _put_together(fits: PlateFits, found: Sequence[tuple[Indices, VisibleFits]]) -> PartsInSight:
+    """Fits of whole plates, and in their places those of what is seen of some plates."""
+    hidden = np.zeros((len(fits.px_per_u), DOT_COUNT), dtype=np.bool_)
+    if not found:
+        return PartsInSight(fits, hidden, hidden)
+    cut, parts = hidden.copy(), [getattr(fits, part.name).copy() for part in fields(fits)]
+    for plates, visible in found:
+        hidden[plates], cut[plates] = visible.hidden, visible.cut
+        for part, field_of in zip(parts, fields(fits), strict=True):
+            part[plates] = getattr(visible.fits, field_of.name)
+    return PartsInSight(PlateFits(*parts), hidden, cut)
+
+
+def third_red(amplitudes: Array) -> Array:
+    """Red of the third brightest base dot, shape (P,), from amplitudes (P, 16, 3): two of the five may be covered."""
+    return np.sort(amplitudes[:, BASE, RED], axis=1)[:, THIRD]
 
 
 def fit_covered(
-    pyramid: Pyramid, image_from_plate: Array, red: Array, blur_px: float, options: PartOptions = PartOptions()
+    pyramid: Pyramid, sides: CoveredSides, blur_px: float, options: PartOptions = PartOptions()
 ) -> tuple[Indices, VisibleFits]:
-    """Those of some plates that are covered from a side and look like plates beside it, and their fits.
-
-    Parameters
-    ----------
-    image_from_plate : ndarray of shape (P, 3, 3)
-        Good to half a dot's radius.
-    red : ndarray of shape (P,)
-        The base dots' red above black, linear light.
-    """
-    found = np.arange(len(image_from_plate))
-    for last in [*[False] * (options.rounds - 1), True]:
-        sides = covered_sides(pyramid.bgr, red[found], image_from_plate, options.sides)
-        likely = np.flatnonzero(sides.any() & (sides.black_share > options.black_share_min))
-        if not len(likely):
-            return likely, VisibleFits.none()
-        found, image_from_plate, sides = found[likely], image_from_plate[likely], sides.select(likely)
-        patches = take_patches(pyramid, image_from_plate, options.grid)
+    """Those of some plates, all covered from a side, that look like plates beside it, and their fits."""
+    found = np.arange(len(sides.red))
+    for rounds_left in reversed(range(options.rounds)):
+        if not len(found):
+            return found, VisibleFits.none()
+        patches = take_patches(pyramid, sides.image_from_plate, options.grid)
         visible = fit_visible(patches, blur_px, sides.seen(options.grid.points_u()))
-        if not last:
-            image_from_plate = _refined(visible, pyramid.size_px)
+        if rounds_left:
+            sides = covered_sides(pyramid.bgr, sides.red, _refined(visible, pyramid.size_px), options.sides)
+            likely = sides.covered()
+            found, sides = found[likely], sides.select(likely)
     few_hidden = visible.hidden[:, BASE].sum(axis=1) <= options.base_hidden_max
     stands = np.flatnonzero(few_hidden & (visible.fits.explained() > options.explained_min))
     return found[stands], visible.select(stands)

@@ -77,6 +77,8 @@ class PlateTemplate:
         The inverse of the normal matrix with the paper's ridge.
     offset_cofactors : ndarray of shape (16, 2, 2)
         Cofactor matrix of each dot's two derivative coefficients.
+    normals : ndarray of shape (54, 54)
+        The normal matrix of all samples, without a ridge.
     """
 
     weights: Array32
@@ -84,6 +86,7 @@ class PlateTemplate:
     planes: Array32
     cofactors: Array
     offset_cofactors: Array
+    normals: Array
 
 
 def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
@@ -98,11 +101,12 @@ def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:
     for dot, seen in enumerate(_seen_through(windows, grid)):
         weights[dot, :, : len(seen)] = design[seen, PER_DOT * dot : PER_DOT * (dot + 1)].T
     ridge = PAPER_RIDGE * len(design)
-    cofactors = np.linalg.inv(design.T @ design + np.diag(np.where(np.arange(COEFFICIENTS) < PAPER, 0.0, ridge)))
+    normals = design.T @ design
+    cofactors = np.linalg.inv(normals + np.diag(np.where(np.arange(COEFFICIENTS) < PAPER, 0.0, ridge)))
     first = PER_DOT * np.arange(DOT_COUNT)[:, None, None] + 1
     offset_cofactors = cofactors[first + np.arange(2)[:, None], first + np.arange(2)]
     planes = np.ascontiguousarray(design[:, BACKGROUND:].T, dtype=np.float32)
-    return PlateTemplate(weights, windows, planes, cofactors, offset_cofactors)
+    return PlateTemplate(weights, windows, planes, cofactors, offset_cofactors, normals)
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,7 @@ class TemplateShelf:
 
     grid: PatchGrid
     made: npt.NDArray[np.bool_]
-    parts: tuple[Array32, npt.NDArray[np.int64], Array32, Array, Array]
+    parts: tuple[Array32, npt.NDArray[np.int64], Array32, Array, Array, Array]
 
     @classmethod
     def empty(cls, grid: PatchGrid) -> TemplateShelf:
@@ -134,27 +138,18 @@ class TemplateShelf:
             np.zeros((levels, COEFFICIENTS - BACKGROUND, samples), dtype=np.float32),
             np.zeros((levels, COEFFICIENTS, COEFFICIENTS)),
             np.zeros((levels, DOT_COUNT, 2, 2)),
+            np.zeros((levels, COEFFICIENTS, COEFFICIENTS)),
         )
         return cls(grid, np.zeros(levels, dtype=np.bool_), parts)
 
     def put(self, level: int) -> None:
         """Make a level's template."""
-        template, (weights, windows, planes, cofactors, offset_cofactors) = plate_template(self.grid, level), self.parts
+        template = plate_template(self.grid, level)
+        weights, windows, planes, cofactors, offset_cofactors, normals = self.parts
         weights[level, : template.weights.size] = template.weights.ravel()
-        windows[level], planes[level] = template.windows, template.planes
+        windows[level], planes[level], normals[level] = template.windows, template.planes, template.normals
         cofactors[level], offset_cofactors[level] = template.cofactors, template.offset_cofactors
         self.made[level] = True
-
-    def design(self, level: int) -> Array32:
-        """The model of a level that is made as one matrix, shape (S, 54): ``plate_design`` out of its parts."""
-        weights, windows, planes = self.parts[0][level], self.parts[1][level], self.parts[2][level]
-        samples, inside = self.grid.value**2, int(windows[0, 1] * windows[0, 2])
-        matrix = np.zeros((samples, COEFFICIENTS), dtype=np.float32)
-        by_dot = weights[: DOT_COUNT * PER_DOT * whole_steps(inside)].reshape(DOT_COUNT, PER_DOT, -1)
-        for dot, seen in enumerate(_seen_through(windows, self.grid)):
-            matrix[seen, PER_DOT * dot : PER_DOT * (dot + 1)] = by_dot[dot, :, :inside].T
-        matrix[:, BACKGROUND:] = planes.T
-        return matrix
 
 
 @cache

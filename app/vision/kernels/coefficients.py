@@ -32,38 +32,47 @@ def solve_plate(right: Array, cofactors: Array, solved: Array) -> None:
         solved[0, coefficient], solved[1, coefficient], solved[2, coefficient] = by_blue, by_green, by_red
 
 
-@compiled("UniTuple(float64, 2)(float32[:, ::1], float64[:, ::1], float64[:, ::1], float64)")
-def unexplained(samples: Array32, right: Array, solved: Array, ridge: float) -> tuple[float, float]:
+@compiled("UniTuple(float64, 2)(float32[:, ::1], float64[:, ::1], float64[:, ::1], UniTuple(float64, 2), int64)")
+def unexplained_in_sight(
+    samples: Array32, right: Array, solved: Array, ridges: tuple[float, float], count: int
+) -> tuple[float, float]:
     """Root mean square of what a fit leaves, and of the samples about their means.
 
     Parameters
     ----------
     samples : ndarray of shape (3, S), float32
+        0 where a sample is out of sight.
     right, solved : ndarray of shape (3, 54)
         Right-hand sides and solutions of the normal equations.
-    ridge : float
-        On the diagonal of the paper's coefficients.
+    ridges : tuple of float
+        On the diagonal of all but the paper's coefficients, and of these.
+    count : int
+        Samples in sight.
 
     Notes
     -----
     With N x + R x = b the fit explains 2 b x - x N x = b x + x R x; no residual is formed.
     """
-    count = samples.shape[1]
     power, explained, steady = 0.0, 0.0, 0.0
     for channel in range(CHANNELS):
         line, b, x = samples[channel], right[channel], solved[channel]
         squares = np.float32(0.0)
-        for sample in range(count):
+        for sample in range(samples.shape[1]):
             squares += line[sample] * line[sample]
         power += float(squares)
         for coefficient in range(COEFFICIENTS):
-            explained += b[coefficient] * x[coefficient]
-        for coefficient in range(PAPER, COEFFICIENTS):
-            explained += ridge * x[coefficient] * x[coefficient]
+            ridge = ridges[1] if coefficient >= PAPER else ridges[0]
+            explained += (b[coefficient] + ridge * x[coefficient]) * x[coefficient]
         # The background's constant column is 1 everywhere, so its product is the sum of the samples.
         steady += b[BACKGROUND] * b[BACKGROUND] / count
     all_samples = CHANNELS * count
     return np.sqrt(max(power - explained, 0.0) / all_samples), np.sqrt(max(power - steady, 0.0) / all_samples)
+
+
+@compiled("UniTuple(float64, 2)(float32[:, ::1], float64[:, ::1], float64[:, ::1], float64)")
+def unexplained(samples: Array32, right: Array, solved: Array, ridge: float) -> tuple[float, float]:
+    """The same of plates that are all in sight, with a ridge on the paper's coefficients alone."""
+    return unexplained_in_sight(samples, right, solved, (0.0, ridge), samples.shape[1])
 
 
 @compiled("void(float64[:, ::1], float64, float64[:, ::1], float64[:, :, ::1], float64[:, ::1])")

@@ -17,8 +17,11 @@ Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.int64]
 
-TEMPLATE = "Tuple((float32[:, ::1], int64[:, :, ::1], float32[:, :, ::1], float64[:, :, ::1], float64[:, :, :, ::1]))"
-Template = tuple[Array32, Indices, Array32, Array, Array]
+TEMPLATE = (
+    "Tuple((float32[:, ::1], int64[:, :, ::1], float32[:, :, ::1], float64[:, :, ::1], float64[:, :, :, ::1], "
+    "float64[:, :, ::1]))"
+)
+Template = tuple[Array32, Indices, Array32, Array, Array, Array]
 
 WINDOW_STEP = 8  # columns: windows have a multiple of them, and are cut out so many at once
 LOOP_STEP = 32  # samples: two registers of 16, which the compiler takes at once; a rest would be added one by one

@@ -1,4 +1,7 @@
-"""How far along the lines of black between a plate's dots something else is seen, from each side inwards."""
+"""How far along the lines of black between a plate's dots something else is seen, from each side inwards.
+
+A plate is left at the first thing that tells against it: most that are looked at are in plain view, or no plates.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +19,15 @@ Indices = npt.NDArray[np.int64]
 Pixels = npt.NDArray[np.uint8]
 
 SIDES, CHANNELS = 4, 3
+ANY_SIDE = -1
 HALF_PLATE_U = 0.5 * PLATE_SIDE_U
 QUARTER = 4  # the darkest quarter of the gaps is black, also where eight of 21 are covered
+
+# A photograph, linear light of its grey values, a plate in it, the plate's black, and how far a colour may be off that.
+VIEW = "Tuple((uint8[:, :, ::1], float32[::1], float64[:, ::1], float64[::1], float64))"
+View = tuple[Pixels, Light, Array, Array, float]
+LINES = "Tuple((float64[::1], float64[::1]))"  # where they are, and the steps inwards, u
+Lines = tuple[Array, Array]
 
 
 @compiled("UniTuple(float64, 2)(int64, float64, float64)")
@@ -33,103 +43,152 @@ def from_side(side: int, across_u: float, inwards_u: float) -> tuple[float, floa
     return down, -across_u
 
 
-@compiled("boolean(uint8[:, :, ::1], float32[::1], float64, float64, float64[::1])")
-def _light_at(bgr: Pixels, light: Light, x: float, y: float, colour: Array) -> bool:
-    """Linear light between pixels, bilinear in grey values, written; whether the place is in the photograph."""
+@compiled("boolean(uint8[:, :, ::1], UniTuple(float64, 2))")
+def _is_inside(bgr: Pixels, at_px: tuple[float, float]) -> bool:
+    """Whether a place lies between a photograph's outermost pixels."""
     height, width, _ = bgr.shape
-    if not (0.0 <= x <= width - 1.0 and 0.0 <= y <= height - 1.0):
-        return False
-    left, top = int(x), int(y)
+    return bool(0.0 <= at_px[0] <= width - 1.0 and 0.0 <= at_px[1] <= height - 1.0)
+
+
+@compiled("float64(uint8[:, :, ::1], float32[::1], UniTuple(float64, 2), int64)")
+def _light_at(bgr: Pixels, light: Light, at_px: tuple[float, float], channel: int) -> float:
+    """Linear light of a channel between a photograph's pixels, bilinear in grey values."""
+    height, width, _ = bgr.shape
+    left, top = int(at_px[0]), int(at_px[1])
     right, bottom = min(left + 1, width - 1), min(top + 1, height - 1)
-    along, down = x - left, y - top
-    for channel in range(CHANNELS):
-        above = bgr[top, left, channel] * (1.0 - along) + bgr[top, right, channel] * along
-        below = bgr[bottom, left, channel] * (1.0 - along) + bgr[bottom, right, channel] * along
-        colour[channel] = light[int(above * (1.0 - down) + below * down + 0.5)]
-    return True
+    along, down = at_px[0] - left, at_px[1] - top
+    above = bgr[top, left, channel] * (1.0 - along) + bgr[top, right, channel] * along
+    below = bgr[bottom, left, channel] * (1.0 - along) + bgr[bottom, right, channel] * along
+    return light[int(above * (1.0 - down) + below * down + 0.5)]
 
 
 @compiled("void(uint8[:, :, ::1], float32[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1])")
 def _find_black(bgr: Pixels, light: Light, image_from_plate: Array, gaps_u: Array, room: Array, black: Array) -> None:
     """The plate's black, written: of each colour the darkest quarter of the gaps between the dots."""
-    colour, seen = np.empty(CHANNELS), 0
+    seen = 0
     for gap in range(len(gaps_u)):
-        x, y = image_of(image_from_plate, gaps_u[gap, 0], gaps_u[gap, 1])
-        if _light_at(bgr, light, x, y, colour):
+        at_px = image_of(image_from_plate, gaps_u[gap, 0], gaps_u[gap, 1])
+        if _is_inside(bgr, at_px):
             for channel in range(CHANNELS):
-                room[channel, seen] = colour[channel]
+                room[channel, seen] = _light_at(bgr, light, at_px, channel)
             seen += 1
     for channel in range(CHANNELS):
         sort_few(room[channel, :seen])
         black[channel] = room[channel, seen // QUARTER] if seen else 0.0
 
 
-@compiled("boolean(uint8[:, :, ::1], float32[::1], float64[:, ::1], UniTuple(float64, 2), float64[:, ::1], float64)")
-def _is_foreign(
-    bgr: Pixels, light: Light, image_from_plate: Array, at_u: tuple[float, float], colours: Array, limit: float
-) -> bool:
-    """Whether a plate point is another colour than black, the first of ``colours``, or outside the photograph."""
-    black, here = colours[0], colours[1]
-    x, y = image_of(image_from_plate, at_u[0], at_u[1])
-    if not _light_at(bgr, light, x, y, here):
+@compiled(f"boolean({VIEW}, int64, float64, float64)")
+def _is_foreign(view: View, side: int, line_u: float, deep_u: float) -> bool:
+    """Whether a plate point is another colour than black, or outside the photograph."""
+    bgr, light, image_from_plate, black, limit = view
+    x_u, y_u = from_side(side, line_u, deep_u)
+    at_px = image_of(image_from_plate, x_u, y_u)
+    if not _is_inside(bgr, at_px):
         return True
     off = 0.0
     for channel in range(CHANNELS):
-        off = max(off, abs(here[channel] - black[channel]))
+        off = max(off, abs(_light_at(bgr, light, at_px, channel) - black[channel]))
     return off > limit
 
 
-@compiled(
-    "float64(uint8[:, :, ::1], float32[::1], float64[:, ::1], Tuple((float64[::1], float64[::1], int64[:, ::1])), "
-    "float64[:, ::1], UniTuple(float64, 2))"
-)
-def _black_in_sight(
-    bgr: Pixels,
-    light: Light,
-    image_from_plate: Array,
-    walked: tuple[Array, Array, Indices],
-    colours: Array,
-    limits: tuple[float, float],
-) -> float:
-    """Part of the lines that is black, behind whatever covers the sides; 0 where too little of the plate is left."""
-    lines_u, inwards_u, leading = walked
-    clear_u = np.zeros(SIDES)
-    for side in range(SIDES):
+@compiled(f"int64({VIEW}, int64, float64, float64[::1])")
+def _steps_to_black(view: View, side: int, line_u: float, inwards_u: Array) -> int:
+    """Steps inwards along a line before the plate's black begins."""
+    for step in range(len(inwards_u)):
+        if not _is_foreign(view, side, line_u, inwards_u[step]):
+            return step
+    return len(inwards_u)
+
+
+@compiled(f"boolean({VIEW}, {LINES}, int64, int64, int64[:, ::1])")
+def _walk_sides(view: View, lines: Lines, lines_min: int, must: int, leading: Indices) -> bool:
+    """Steps on each line, written, before black begins; whether a side is covered, and the one that must be."""
+    lines_u, inwards_u = lines
+    covered = False
+    leading[:] = 0
+    for turn in range(SIDES):
+        side = (max(must, 0) + turn) % SIDES
+        ended, through = 0, 0
         for line in range(len(lines_u)):
-            if leading[side, line] > 0:
-                clear_u[side] = max(clear_u[side], inwards_u[min(leading[side, line], len(inwards_u) - 1)])
-    limit, area_min = limits
-    wide, high = 1.0 - (clear_u[1] + clear_u[3]) / PLATE_SIDE_U, 1.0 - (clear_u[0] + clear_u[2]) / PLATE_SIDE_U
-    if min(wide, high) <= 0.0 or wide * high < area_min:
-        return 0.0
-    dark, count = 0, 0
+            if ended + len(lines_u) - line < lines_min:
+                break  # too few can end
+            steps = _steps_to_black(view, side, lines_u[line], inwards_u)
+            leading[side, line] = steps
+            ended += steps > 1
+            through += steps == len(inwards_u)
+            if through >= lines_min:  # too little is left, or this is no plate
+                return False
+        if ended >= lines_min:
+            covered = True
+        elif side == must:
+            return False
+        else:
+            leading[side] = 0
+    return covered
+
+
+@compiled("boolean(float64[::1], int64, float64, float64)")
+def _is_clear(clear_u: Array, side: int, line_u: float, deep_u: float) -> bool:
+    """Whether a point lies behind whatever covers the sides, so far in on the whole."""
+    if deep_u <= clear_u[side] or PLATE_SIDE_U - deep_u <= clear_u[(side + 2) % SIDES]:
+        return False
+    return bool(
+        HALF_PLATE_U + line_u > clear_u[(side + 3) % SIDES] and HALF_PLATE_U - line_u > clear_u[(side + 1) % SIDES]
+    )
+
+
+@compiled(f"int64(float64[::1], {LINES})")
+def _count_clear(clear_u: Array, lines: Lines) -> int:
+    """How many points of the lines lie behind whatever covers the sides."""
+    lines_u, inwards_u = lines
+    count = 0
     for side in range(SIDES):
-        opposite, first, last = (side + 2) % SIDES, (side + 3) % SIDES, (side + 1) % SIDES
         for line_u in lines_u:
             for deep_u in inwards_u:
-                if deep_u <= clear_u[side] or PLATE_SIDE_U - deep_u <= clear_u[opposite]:
-                    continue
-                if HALF_PLATE_U + line_u <= clear_u[first] or HALF_PLATE_U - line_u <= clear_u[last]:
-                    continue
-                count += 1
-                dark += not _is_foreign(bgr, light, image_from_plate, from_side(side, line_u, deep_u), colours, limit)
-    return dark / max(count, 1)
+                count += _is_clear(clear_u, side, line_u, deep_u)
+    return count
+
+
+@compiled(f"boolean({VIEW}, {LINES}, float64[::1], float64)")
+def _is_black_behind(view: View, lines: Lines, clear_u: Array, share_min: float) -> bool:
+    """Whether the lines are black behind whatever covers the sides."""
+    lines_u, inwards_u = lines
+    count = _count_clear(clear_u, lines)
+    dark = count
+    for side in range(SIDES):
+        for line_u in lines_u:
+            for deep_u in inwards_u:
+                if _is_clear(clear_u, side, line_u, deep_u) and _is_foreign(view, side, line_u, deep_u):
+                    dark -= 1
+                    if not dark / count > share_min:
+                        return False
+    return count > 0
+
+
+@compiled("boolean(int64[:, ::1], float64[::1], float64, float64[::1])")
+def _is_enough_left(leading: Indices, inwards_u: Array, area_min: float, clear_u: Array) -> bool:
+    """Whether so much of a plate's area is in sight; how far in all lines of a side are clear, written."""
+    for side in range(SIDES):
+        deepest = leading[side].max()
+        clear_u[side] = inwards_u[min(deepest, len(inwards_u) - 1)] if deepest > 0 else 0.0
+    wide, high = 1.0 - (clear_u[1] + clear_u[3]) / PLATE_SIDE_U, 1.0 - (clear_u[0] + clear_u[2]) / PLATE_SIDE_U
+    return bool(min(wide, high) > 0.0 and wide * high >= area_min)
 
 
 @compiled(
     "void(uint8[:, :, ::1], Tuple((float32[::1], float64[:, ::1], float64[::1], float64[::1])), float64[:, :, ::1], "
-    "float64[::1], Tuple((int64, float64)), int64[:, :, ::1], float64[::1])"
+    "float64[::1], int64[::1], Tuple((int64, float64, float64, float64)), float64[:, :, ::1])"
 )
 def walk_lines(
     bgr: Pixels,
     tables: tuple[Light, Array, Array, Array],
     image_from_plate: Array,
     limits: Array,
-    bounds: tuple[int, float],
-    leading: Indices,
-    black_share: Array,
+    must: Indices,
+    bounds: tuple[int, float, float, float],
+    depths_u: Array,
 ) -> None:
-    """Steps of each line, from each side, that are not black, and the part of the rest that is.
+    """How far sides are covered on each line of plates of which the rest looks like a plate.
 
     Parameters
     ----------
@@ -139,38 +198,27 @@ def walk_lines(
     image_from_plate : ndarray of shape (P, 3, 3)
     limits : ndarray of shape (P,)
         How far a colour may be off black, linear light.
+    must : ndarray of shape (P,)
+        The side that must be covered, or ``ANY_SIDE``.
     bounds : tuple
         Lines that must begin with two foreign steps, or their side counts as clear; part of the plate's area that must
-        be left.
-    leading : ndarray of shape (P, 4, 5), written
-        0 of plates on which a side's lines never become black.
-    black_share : ndarray of shape (P,), written
-        Only of plates that are covered from some side, and in part; 0 of others.
+        be left; part of its lines that must be black there; what is added to a depth, u.
+    depths_u : ndarray of shape (P, 4, 5), written
+        0 of plates that nothing covers, and of those that do not look like plates beside it.
     """
     light, gaps_u, lines_u, inwards_u = tables
-    colours, room = np.empty((2, CHANNELS)), np.empty((CHANNELS, len(gaps_u)))
-    leading[:] = 0
-    black_share[:] = 0.0
+    black, room = np.empty(CHANNELS), np.empty((CHANNELS, len(gaps_u)))
+    leading, clear_u = np.empty((SIDES, len(lines_u)), dtype=np.int64), np.empty(SIDES)
+    lines, (lines_min, area_min, black_share_min, margin_u) = (lines_u, inwards_u), bounds
+    depths_u[:] = 0.0
     for plate in range(len(image_from_plate)):
-        image, limit, covered = image_from_plate[plate], limits[plate], False
-        _find_black(bgr, light, image, gaps_u, room, colours[0])
-        for side in range(SIDES):
-            lines, through = 0, 0
-            for line in range(len(lines_u)):
-                steps = 0
-                for deep_u in inwards_u:
-                    if not _is_foreign(bgr, light, image, from_side(side, lines_u[line], deep_u), colours, limit):
-                        break
-                    steps += 1
-                leading[plate, side, line] = steps
-                lines += steps > 1
-                through += steps == len(inwards_u)
-            if lines < bounds[0]:
-                leading[plate, side] = 0
-            covered = covered or lines >= bounds[0]
-            if through >= bounds[0]:  # too little is left, or this is no plate
-                leading[plate], covered = 0, False
-                break
-        if covered:
-            walked = (lines_u, inwards_u, leading[plate])
-            black_share[plate] = _black_in_sight(bgr, light, image, walked, colours, (limit, bounds[1]))
+        _find_black(bgr, light, image_from_plate[plate], gaps_u, room, black)
+        view = (bgr, light, image_from_plate[plate], black, limits[plate])
+        if not _walk_sides(view, lines, lines_min, must[plate], leading):
+            continue
+        enough = _is_enough_left(leading, inwards_u, area_min, clear_u)
+        if enough and _is_black_behind(view, lines, clear_u, black_share_min):
+            for side in range(SIDES):
+                for line in range(len(lines_u)):
+                    if leading[side, line] > 0:
+                        depths_u[plate, side, line] = inwards_u[leading[side, line] - 1] + margin_u

@@ -6,9 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from app.compiled import compiled
+from app.vision.kernels.gaps import red_at
+from app.vision.kernels.ordering import middle_of
 
 Array = npt.NDArray[np.float64]
+Light = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.int64]
+Pixels = npt.NDArray[np.uint8]
 
 FIRST_ROOM = 256  # rows to begin with; they double as needed
 
@@ -78,3 +82,55 @@ def find_threes(
                     found[count, 0], found[count, 1], found[count, 2], found[count, 3] = blob, first, second, side
                     count += 1
     return found[:count]
+
+
+@compiled(
+    "void(int64[:, ::1], Tuple((float64[:, ::1], float64[:, ::1])), Tuple((float64[:, :, ::1], float64[:, :, ::1])), "
+    "int64[:, ::1], float64[:, ::1], float64[:, ::1])"
+)
+def make_up_corners(
+    threes: Indices,
+    pool: tuple[Array, Array],
+    by_side: tuple[Array, Array],
+    groups: Indices,
+    centres_px: Array,
+    semi_axes_px: Array,
+) -> None:
+    """Where the two hidden corners of each three are, by the affinity through the three, and how large.
+
+    Parameters
+    ----------
+    threes : ndarray of shape (M, 4)
+        As ``find_threes`` gives them.
+    pool : tuple of ndarray
+        Blobs' centres and semi-axes, shape (N, 2).
+    by_side : tuple of ndarray
+        For each side that is seen the matrix of ``find_threes``, and what leads from E to the corners across, u.
+    groups : ndarray of shape (M, 5), written
+        A, B, C, D, E: blobs, and, behind them, what is made up.
+    centres_px, semi_axes_px : ndarray of shape (2 * M, 2), written
+    """
+    centres, axes = pool
+    for row in range(len(threes)):
+        blob, first, second, side = threes[row]
+        inverse, count = by_side[0][side], len(centres) + 2 * row
+        groups[row, 4], groups[row, side], groups[row, (side + 1) % 4] = blob, first, second
+        groups[row, (side + 2) % 4], groups[row, (side + 3) % 4] = count, count + 1
+        for axis in range(2):
+            p, q = centres[first, axis] - centres[blob, axis], centres[second, axis] - centres[blob, axis]
+            along, down = p * inverse[0, 0] + q * inverse[1, 0], p * inverse[0, 1] + q * inverse[1, 1]
+            size_px = (axes[blob, axis] + axes[first, axis] + axes[second, axis]) / 3.0
+            for corner in range(2):
+                offset_u = by_side[1][side, corner]
+                centres_px[2 * row + corner, axis] = centres[blob, axis] + along * offset_u[0] + down * offset_u[1]
+                semi_axes_px[2 * row + corner, axis] = size_px
+
+
+@compiled("void(uint8[:, :, ::1], float32[::1], float64[:, :, ::1], float64[::1])")
+def measure_reds(bgr: Pixels, light: Light, base_px: Array, red: Array) -> None:
+    """Red of the third brightest of five dots, linear light, written for each group: ``base_px`` is (G, 5, 2)."""
+    five = np.empty(base_px.shape[1])
+    for group in range(len(base_px)):
+        for dot in range(len(five)):
+            five[dot] = light[int(red_at(bgr, base_px[group, dot, 0], base_px[group, dot, 1]) + 0.5)]
+        red[group] = middle_of(five)
