@@ -60,6 +60,15 @@ class PlateFits:
         return PlateFits(*(getattr(self, part.name)[chosen] for part in fields(self)))
 
     @classmethod
+    def room_for(cls, image_from_plate: Array, px_per_u: Array) -> PlateFits:
+        """Of plates that are yet to be fitted."""
+        count, planes = len(px_per_u), np.empty((len(px_per_u), CHANNELS, COEFFICIENTS - BACKGROUND))
+        amplitudes, slopes = np.empty((count, DOT_COUNT, CHANNELS)), np.empty((count, DOT_COUNT, 2, CHANNELS))
+        cofactors, (residual_rms, spread_rms) = np.empty((count, DOT_COUNT, 2, 2)), np.empty((2, count))
+        fitted = (amplitudes, slopes, planes[:, :, 0], residual_rms, spread_rms, cofactors, planes)
+        return cls(image_from_plate, px_per_u, *fitted)
+
+    @classmethod
     def joined(cls, parts: Sequence[PlateFits]) -> PlateFits:
         """The fits of several lots of plates, one after the other."""
         filled = [part for part in parts if len(part.px_per_u)]
@@ -103,41 +112,50 @@ class SizedPatches:
 
     def fit(self, blur_px: float) -> PlateFits:
         """Fit all plates under one blur (standard deviation in the photograph's own pixels), in the plates' order."""
-        fits = [fit_patches(part, np.full(len(part.samples), blur_px)) for part in self.parts]
-        return PlateFits.joined(fits).select(np.argsort(self.plates))
+        if len(self.parts) == 1:
+            return fit_patches(self.parts[0], np.full(len(self.plates), blur_px))
+        order = np.argsort(self.plates)
+        image_from_plate = np.concatenate([part.image_from_plate for part in self.parts])[order]
+        px_per_u = np.concatenate([part.px_per_u for part in self.parts])[order]
+        fits, first = PlateFits.room_for(image_from_plate, px_per_u), 0
+        for part in self.parts:
+            each = np.arange(len(part.px_per_u))
+            levels = part.levels(np.full(len(each), blur_px))
+            _fit_into(fits, part, np.stack([each, levels, self.plates[first : first + len(each)]]))
+            first += len(each)
+        return fits
 
     def fit_some(self, count: int, blurs_px: tuple[float, ...]) -> PlateFits:
         """A few plates of the smaller kind fitted under every blur; blur by blur, shape (B * few, ...)."""
         smaller = self.parts[0]
         few = np.arange(len(smaller.samples))[:: max(1, len(smaller.samples) // count)][:count]
-        return fit_patches(smaller.select(np.tile(few, len(blurs_px))), np.repeat(blurs_px, len(few)))
+        return fit_patches(smaller, np.repeat(blurs_px, len(few)), np.tile(few, len(blurs_px)))
 
 
-def fit_patches(patches: Patches, blur_px: Array) -> PlateFits:
-    """Normal equations of all plates; the residuals' power follows from them without forming a residual.
+def fit_patches(patches: Patches, blur_px: Array, chosen: npt.NDArray[np.intp] | None = None) -> PlateFits:
+    """Normal equations of many plates; the residuals' power follows from them without forming a residual.
 
     Parameters
     ----------
     patches : Patches
-    blur_px : ndarray of shape (P,)
+    blur_px : ndarray of shape (N,)
         Standard deviation of the blur in the photograph's own pixels.
+    chosen : ndarray of shape (N,), optional
+        The patches that are fitted, one perhaps several times; else each of them once.
     """
-    plates, _, count = patches.samples.shape
-    amplitudes, slopes = np.empty((plates, DOT_COUNT, CHANNELS)), np.empty((plates, DOT_COUNT, 2, CHANNELS))
-    planes, cofactors = np.empty((plates, CHANNELS, COEFFICIENTS - BACKGROUND)), np.empty((plates, DOT_COUNT, 2, 2))
-    residual_rms, spread_rms = np.empty((2, plates))
-    levels = patches.levels(blur_px)
-    written = (amplitudes, slopes, planes, residual_rms, spread_rms, cofactors)
-    shelf = shelf_with(patches.grid, levels)
-    fit_plates(patches.samples, levels, shelf.parts, (PAPER_RIDGE * count, PATCH_REACH_U), written)
-    return PlateFits(
-        image_from_plate=patches.image_from_plate,
-        px_per_u=patches.px_per_u,
-        amplitudes=amplitudes,
-        slopes=slopes,
-        background=planes[:, :, 0],
-        residual_rms=residual_rms,
-        spread_rms=spread_rms,
-        offset_cofactors=cofactors,
-        planes=planes,
-    )
+    each = np.arange(len(blur_px))
+    if chosen is None:
+        fits = PlateFits.room_for(patches.image_from_plate, patches.px_per_u)
+        _fit_into(fits, patches, np.stack([each, patches.levels(blur_px), each]))
+        return fits
+    fits = PlateFits.room_for(patches.image_from_plate[chosen], patches.px_per_u[chosen])
+    _fit_into(fits, patches, np.stack([chosen, patches.levels(blur_px, chosen), each]))
+    return fits
+
+
+def _fit_into(fits: PlateFits, patches: Patches, orders: npt.NDArray[np.int64]) -> None:
+    """Fit patches as ``orders``, shape (3, N), say: the patch, the level of its template, the row that is written."""
+    samples = patches.samples
+    written = (fits.amplitudes, fits.slopes, fits.planes, fits.residual_rms, fits.spread_rms, fits.offset_cofactors)
+    shelf = shelf_with(patches.grid, orders[1])
+    fit_plates(samples, orders, shelf.parts, (PAPER_RIDGE * samples.shape[2], PATCH_REACH_U), written)

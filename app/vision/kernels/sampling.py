@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from app.compiled import compiled
-from app.vision.kernels.homographies import image_of
+from app.vision.kernels.halving import blocks_around, halved
+from app.vision.kernels.homographies import image_of, px_per_u_of
 
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
@@ -122,43 +123,91 @@ def _interpolate(words: Words, shares: Array32, light: Array32, samples: Array32
 
 
 @compiled(
-    "void(uint8[:, :, ::1], float64[:, :, ::1], int64[::1], float64, float64[::1], float32[::1], float32[:, :, ::1])"
+    "void(uint8[:, :, ::1], float64[:, ::1], float64, Tuple((float64[::1], float32[::1])), "
+    "Tuple((int32[::1], uint64[:, ::1], float32[:, ::1])), float32[:, ::1])"
 )
-def sample_plates(
+def _sample(
     level: Pixels,
     image_from_plate: Array,
-    plates: Indices,
     factor: float,
-    axis_u: Array,
-    light: Array32,
+    tables: tuple[Array, Array32],
+    room: tuple[Indices32, Words, Array32],
     samples: Array32,
 ) -> None:
-    """Sample some plates in a picture reduced by ``factor``.
+    """Sample a plate in a picture reduced by ``factor``, of two pixels each way at least."""
+    height, width, _ = level.shape
+    about, stride, (first, words, shares) = np.empty((3, 3)), 3 * width, room
+    x, y = _about_middle(image_from_plate, factor, (width, height), about)
+    bounds = (np.float32(-x), np.float32(width - 1 - x), np.float32(-y), np.float32(height - 1 - y))
+    _place(about, tables[0], bounds, stride, (first, shares))
+    _fetch(level.reshape(-1), stride * y + 3 * x, stride, first, words)
+    _interpolate(words, shares, tables[1], samples)
+
+
+@compiled("uint8[:, :, ::1](uint8[:, :, ::1])")
+def _two_each_way(pixels: Pixels) -> Pixels:
+    """The picture; one of a single row or column with that repeated, for samples are taken between two."""
+    height, width, channels = pixels.shape
+    if min(height, width) > 1:
+        return pixels
+    twice = np.empty((max(height, 2), max(width, 2), channels), dtype=np.uint8)
+    for row in range(len(twice)):
+        for column in range(twice.shape[1]):
+            twice[row, column] = pixels[min(row, height - 1), min(column, width - 1)]
+    return twice
+
+
+@compiled("int64(float64, float64, int64)")
+def _halvings_for(px_per_u: float, px_per_u_max: float, most: int) -> int:
+    """How often a photograph is halved for a plate of such a size."""
+    halvings = 0
+    while halvings < most and px_per_u > px_per_u_max:
+        px_per_u, halvings = 0.5 * px_per_u, halvings + 1
+    return halvings
+
+
+@compiled(
+    "void(uint8[:, :, ::1], float64[:, :, ::1], Tuple((float64, int64, float64)), Tuple((float64[::1], "
+    "float32[::1])), Tuple((float32[:, :, ::1], float64[::1], int64[::1])))"
+)
+def sample_plates(
+    bgr: Pixels,
+    image_from_plate: Array,
+    bounds: tuple[float, int, float],
+    tables: tuple[Array, Array32],
+    written: tuple[Array32, Array, Indices],
+) -> None:
+    """Sample plates, each in the photograph halved as often as suits its size.
 
     Parameters
     ----------
-    level : ndarray of shape (H, W, 3), uint8
-        Two pixels each way at least.
+    bgr : ndarray of shape (H, W, 3), uint8
     image_from_plate : ndarray of shape (P, 3, 3)
-    plates : ndarray of shape (M,)
-        Indices of the plates to be sampled.
-    factor : float
-        Size of the level over that of the photograph.
-    axis_u : ndarray of shape (N,)
-        Coordinates of a square grid's columns and rows.
-    light : ndarray of shape (LIGHT_DEGREE + 3,), float32
-        Of linear light by grey value: factors of a polynomial; where it begins, and the slope of the line before.
-    samples : ndarray of shape (P, 3, N * N), float32, written
-        Blue, green, red, row by row.
+    bounds : tuple
+        Largest plate that is sampled in the photograph itself, px per u; most halvings; how far a patch reaches, u.
+    tables : tuple of ndarray
+        Coordinates (N,), u, of a square grid's columns and rows; linear light by grey value, shape
+        (LIGHT_DEGREE + 3,), float32: factors of a polynomial; where it begins, and the slope of the line before.
+    written : tuple of ndarray
+        Blue, green, red, row by row, shape (P, 3, N * N), float32; scale at the plates' centres, px per u; halvings.
     """
-    height, width, _ = level.shape
-    about, pixels, stride = np.empty((3, 3)), level.reshape(-1), 3 * width
-    count = len(axis_u) ** 2
-    first, words = np.empty(count, dtype=np.int32), np.empty((2, count), dtype=np.uint64)
-    shares = np.empty((2, count), dtype=np.float32)
-    for plate in plates:
-        x, y = _about_middle(image_from_plate[plate], factor, (width, height), about)
-        bounds = (np.float32(-x), np.float32(width - 1 - x), np.float32(-y), np.float32(height - 1 - y))
-        _place(about, axis_u, bounds, stride, (first, shares))
-        _fetch(pixels, stride * y + 3 * x, stride, first, words)
-        _interpolate(words, shares, light, samples[plate])
+    samples, px_per_u, halvings = written
+    height, width, _ = bgr.shape
+    whole, shifted, count = _two_each_way(bgr), np.empty((3, 3)), len(tables[0]) ** 2
+    words, shares = np.empty((2, count), dtype=np.uint64), np.empty((2, count), dtype=np.float32)
+    room = (np.empty(count, dtype=np.int32), words, shares)
+    for plate in range(len(image_from_plate)):
+        px_per_u[plate] = px_per_u_of(image_from_plate[plate])
+        halvings[plate] = _halvings_for(px_per_u[plate], bounds[0], bounds[1])
+        if halvings[plate] == 0:
+            _sample(whole, image_from_plate[plate], 1.0, tables, room, samples[plate])
+            continue
+        block = 1 << halvings[plate]
+        # Whole blocks only: an odd last row or column would shift the grid.
+        blocks = blocks_around(image_from_plate[plate], bounds[2], block, (width // block, height // block))
+        shifted[:] = image_from_plate[plate]
+        for column in range(3):
+            shifted[0, column] -= block * blocks[0] * shifted[2, column]
+            shifted[1, column] -= block * blocks[2] * shifted[2, column]
+        part = _two_each_way(halved(bgr, blocks, halvings[plate]))
+        _sample(part, shifted, 1.0 / block, tables, room, samples[plate])
