@@ -60,6 +60,13 @@ class InkOptions:
         up; noise brings plates of 2 to 3 px per u to 0.5. Below, an edge of shadow lies somewhere between them.
     white_over_green : float
         Red over green, and green over red, of a dot on such a plate: white has 1, green and red 0.01.
+    base_green : float
+        Green of red ink over its red; what more of it base dots show comes from their neighbours, by a blur or a
+        sharpening that the template does not know.
+    stray_aslant : float
+        What a neighbour aslant gives of its light over what one beside gives.
+    stray_unsure : float
+        How far that light may be off, as part of it: neighbours across a shadow's edge are not alike.
     """
 
     base_red_min: float = 0.15
@@ -71,6 +78,9 @@ class InkOptions:
     dark_min: float = -1.5
     even_min: float = 0.4
     white_over_green: float = 0.5
+    base_green: float = 0.01
+    stray_aslant: float = 0.3
+    stray_unsure: float = 0.3
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import pytest
 
 from app.geometry.observations import Detection, TargetObservation
 from app.targets.family import family_by_name
+from app.vision.detector import DetectorOptions, detect
 from benchmarks.recall import Count, read_photo, score, tasks_of
 from benchmarks.recall_conditions import matrix
 from benchmarks.recall_views import HardPhoto, PlateTruth, hard_photo
@@ -31,6 +32,14 @@ def test_hard_plates_are_read_and_the_published_method_reads_no_more(row: str, s
     plates, counts = read_photo(task)
     assert plates == 20 and counts["default"].wrong == 0
     assert counts["default"].found >= max(LEAST[row, severity], counts["paper"].found)
+
+
+def test_a_blur_too_soft_makes_no_code_of_plates_in_shadow() -> None:
+    """Its plates were read as all white: what strayed from lit dots passed for light in the shadow."""
+    family = family_by_name("golay")
+    photo = hard_photo(matrix()["shadow's edge, light left"]["0.25"], family.codes, seed=103)
+    too_soft = DetectorOptions(blurs_px=(1.9,))
+    assert score(detect(photo.bgr, family, too_soft), photo).wrong == 0
 
 
 def test_every_cell_has_a_photograph_of_its_own_kind() -> None:

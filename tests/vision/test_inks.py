@@ -14,6 +14,7 @@ from app.vision.inks import BASE, DIGITS, LEVEL_FROM_BASE, InkReading, read_inks
 from app.vision.kernels.inkwell import GREEN, HIDDEN_DIGIT, RED
 from app.vision.measurement import fit_patches
 from app.vision.patches import Pyramid, take_patches
+from app.vision.reading import ReadingOptions
 from app.vision.template import PatchGrid
 from tests.vision.scenes import Shot, photograph, photographs, true_homographies
 
@@ -61,6 +62,34 @@ def test_light_that_changes_over_the_plate_is_followed(code: int, slope: tuple[f
 def test_levels_of_a_plane_are_extended_exactly() -> None:
     plane = 3.0 + PLATE_DOTS_U @ [0.2, -0.5]
     np.testing.assert_allclose(LEVEL_FROM_BASE @ plane[BASE], plane)
+
+
+def with_stray_light(amplitudes: np.ndarray, share: float) -> np.ndarray:
+    """What a fit under too soft a template finds: of each dot a part in those beside it, and less in those aslant."""
+    row, column = np.divmod(np.arange(16), 4)
+    down, along = np.abs(row[:, None] - row), np.abs(column[:, None] - column)
+    beside, aslant = down + along == 1, (down == 1) & (along == 1)
+    return amplitudes + share * np.einsum("do,poc->pdc", beside + 0.3 * aslant, amplitudes)
+
+
+@given(
+    code=st.integers(1, 177_146),
+    turn=st.floats(0.0, 6.3),
+    edge_u=st.floats(-3.0, 3.0),
+    left=st.floats(0.2, 0.35),
+    share=st.floats(0.0, 0.08),
+)
+def test_stray_light_makes_no_digit_in_a_shadow(
+    code: int, turn: float, edge_u: float, left: float, share: float
+) -> None:
+    """A few per cent of a lit white dot are brighter than green in the shadow: hidden perhaps, but never misread."""
+    inward_u = PLATE_DOTS_U @ [np.cos(turn), np.sin(turn)] - edge_u
+    light = np.where(inward_u > 0.0, left, 1.0)
+    reading = read_inks(with_stray_light(amplitudes_of(code) * light[:, None], share))
+    sure = (reading.digits[0] != HIDDEN_DIGIT) & (reading.confidence[0] > ReadingOptions().confidence_min)
+    np.testing.assert_array_equal(reading.digits[0, sure], digits_of_code(code)[sure])
+    if share == 0.0:
+        assert sure.all()
 
 
 @pytest.mark.parametrize("gains", [(0.5, 0.8, 1.2), (1.5, 1.1, 0.8), (1.0, 0.7, 1.0)])

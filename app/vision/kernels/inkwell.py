@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.compiled import compiled
-from app.targets.layout import BASE_CELLS, DIGIT_CELLS
+from app.targets.layout import BASE_CELLS, CELLS_PER_SIDE, DIGIT_CELLS
 from app.vision.kernels.ordering import middle_of
 
 Array = npt.NDArray[np.float64]
@@ -18,7 +18,7 @@ BLACK_DIGIT, GREEN_DIGIT, WHITE_DIGIT, HIDDEN_DIGIT = 0, 1, 2, -1
 BASE_COUNT = len(BASE_CELLS)
 
 
-@compiled("float64(float64[:, ::1], UniTuple(float64, 9), boolean[::1], float64[::1])")
+@compiled("float64(float64[:, ::1], UniTuple(float64, 12), boolean[::1], float64[::1])")
 def _read_base(amplitudes: Array, bounds: tuple[float, ...], red_base: Mask, base_red: Array) -> float:
     """Which base dots are red, and the red at each, that of the plate where something covers it; returns the median."""
     base_red_min, off_red_max = bounds[0], bounds[1]
@@ -47,10 +47,10 @@ def _spread_red(base_red: Array, level_from_base: Array, red_level: Array) -> No
         red_level[dot] = max(min(max(level, least), most), 1.0)
 
 
-@compiled("int64(float64, float64, UniTuple(float64, 9))")
+@compiled("int64(float64, float64, UniTuple(float64, 12))")
 def _digit_of(red: float, green: float, bounds: tuple[float, ...]) -> int:
     """The digit of a dot's red and green in units of the plate's red."""
-    _, _, white_red, green_green, white_green_min, white_max, dark_min, _, _ = bounds
+    _, _, white_red, green_green, white_green_min, white_max, dark_min, _, _, _, _, _ = bounds
     if max(red, green) > white_max or min(red, green) < dark_min:
         return HIDDEN_DIGIT
     if red > white_red:
@@ -68,26 +68,75 @@ def _least_and_most(base_red: Array, red_base: Mask) -> tuple[float, float]:
     return max(min(least, most), 1.0), most
 
 
-@compiled("Tuple((int64, float64))(float64, float64, float64, UniTuple(float64, 9))")
-def _digit_in_shadow(red: float, green: float, least: float, bounds: tuple[float, ...]) -> tuple[int, float]:
+@compiled("float64(float64[:, ::1], int64, int64, float64)")
+def _light_about(amplitudes: Array, cell: int, channel: int, aslant: float) -> float:
+    """Light of the dots beside a cell, and a part of that of those aslant."""
+    row, column, light = cell // CELLS_PER_SIDE, cell % CELLS_PER_SIDE, 0.0
+    for other in range(len(amplitudes)):
+        down, along = abs(other // CELLS_PER_SIDE - row), abs(other % CELLS_PER_SIDE - column)
+        if max(down, along) == 1:
+            light += amplitudes[other, channel] * (aslant if down == along else 1.0)
+    return light
+
+
+@compiled("float64(float64[:, ::1], boolean[::1], UniTuple(float64, 12))")
+def _stray_share(amplitudes: Array, red_base: Mask, bounds: tuple[float, ...]) -> float:
+    """Part of its neighbours' light that a dot is given, as the green of the base dots tells, which have none."""
+    base_green, aslant = bounds[9], bounds[10]
+    together, alone = 0.0, 0.0
+    for dot in range(BASE_COUNT):
+        if red_base[dot]:
+            cell = BASE_CELLS[dot]
+            about = _light_about(amplitudes, cell, GREEN, aslant)
+            together += (amplitudes[cell, GREEN] - base_green * amplitudes[cell, RED]) * about
+            alone += about * about
+    return max(together / max(alone, 1e-9), 0.0)
+
+
+@compiled("Tuple((int64, float64))(UniTuple(float64, 2), UniTuple(float64, 2), float64, UniTuple(float64, 12))")
+def _digit_in_shadow(
+    dot: tuple[float, float], stray: tuple[float, float], least: float, bounds: tuple[float, ...]
+) -> tuple[int, float]:
     """The digit of a dot on a plate that lies partly in shadow, and its confidence.
 
     Where the shadow ends between the base dots is not known: any dot may have the least light or the most. Black parts
-    from green where the light is least, and what is brighter is told by its colour instead of its brightness.
+    from green where the light is least, and what is brighter is told by its colour instead of its brightness. There a
+    few per cent of a lit neighbour are as much as a colour in the shadow: they are taken off, and doubted.
+
+    Parameters
+    ----------
+    dot, stray : tuple of float
+        Red and green of the dot, and what of them comes from its neighbours.
+    least : float
+        Red of the base dot that has the least light.
     """
-    green_green, white_over_green = bounds[3], bounds[8]
+    green_green, white_over_green, unsure = bounds[3], bounds[8], bounds[11] * max(stray[0], stray[1])
+    red, green = dot[0] - stray[0], dot[1] - stray[1]
     lit = max(red, green) / least
-    from_black = abs(lit - green_green) / green_green
+    from_black = (abs(lit - green_green) - unsure / least) / green_green
     if lit <= green_green:
         return BLACK_DIGIT, from_black
-    from_other = abs(red - white_over_green * green) / max(white_over_green * green, 1e-9)
+    from_other = (abs(red - white_over_green * green) - unsure) / max(white_over_green * green, 1e-9)
     if red > white_over_green * green:
         return (WHITE_DIGIT if green > white_over_green * red else HIDDEN_DIGIT), min(from_black, from_other)
     return GREEN_DIGIT, min(from_black, from_other)
 
 
+@compiled("Tuple((int64, float64))(float64[:, ::1], int64, UniTuple(float64, 2), UniTuple(float64, 12))")
+def _read_in_shadow(
+    amplitudes: Array, cell: int, light: tuple[float, float], bounds: tuple[float, ...]
+) -> tuple[int, float]:
+    """As ``_digit_in_shadow``, of a plate's cell; ``light`` is the least on the plate, and the part that strays."""
+    least, share = light
+    aslant = bounds[10]
+    stray_red = share * _light_about(amplitudes, cell, RED, aslant)
+    stray_green = share * _light_about(amplitudes, cell, GREEN, aslant)
+    dot = (amplitudes[cell, RED], amplitudes[cell, GREEN])
+    return _digit_in_shadow(dot, (stray_red, stray_green), least, bounds)
+
+
 @compiled(
-    "void(float64[:, :, ::1], float64[:, ::1], UniTuple(float64, 9), Tuple((boolean[:, ::1], int8[:, ::1], "
+    "void(float64[:, :, ::1], float64[:, ::1], UniTuple(float64, 12), Tuple((boolean[:, ::1], int8[:, ::1], "
     "float64[:, ::1], float64[:, ::1])))"
 )
 def read_plates_inks(
@@ -102,7 +151,7 @@ def read_plates_inks(
         Takes the red of the base dots to that of all dots.
     bounds : tuple of float
         The fields of ``InkOptions``, in their order: base_red_min, base_off_red_max, white_red, green_green,
-        white_green_min, white_max, dark_min, even_min, white_over_green.
+        white_green_min, white_max, dark_min, even_min, white_over_green, base_green, stray_aslant, stray_unsure.
     reading : tuple of ndarray, written
         Which base dots are red (P, 5), digits (P, 11), their confidence (P, 11), red expected at each dot (P, 16).
     """
@@ -113,15 +162,15 @@ def read_plates_inks(
         _read_base(amplitudes[plate], bounds, red_base[plate], base_red)
         _spread_red(base_red, level_from_base, red_level[plate])
         least, most = _least_and_most(base_red, red_base[plate])
+        share = _stray_share(amplitudes[plate], red_base[plate], bounds) if least < even_min * most else 0.0
         for place in range(len(DIGIT_CELLS)):
             cell = DIGIT_CELLS[place]
             red = amplitudes[plate, cell, RED] / red_level[plate, cell]
             green = amplitudes[plate, cell, GREEN] / red_level[plate, cell]
             digits[plate, place] = _digit_of(red, green, bounds)
             if least < even_min * most and digits[plate, place] != HIDDEN_DIGIT:
-                level = red_level[plate, cell]
-                digits[plate, place], confidence[plate, place] = _digit_in_shadow(
-                    red * level, green * level, least, bounds
+                digits[plate, place], confidence[plate, place] = _read_in_shadow(
+                    amplitudes[plate], cell, (least, share), bounds
                 )
                 continue
             from_red = abs(red - white_red) / white_red
