@@ -25,7 +25,7 @@ from tests.web.prebuilt import Room, surveyed_room
 from tests.web.screenshots import keep_screenshot
 from tests.web.waiting import wait_until
 
-FILMED = ("IMG_0004.jpg", "IMG_0006.jpg", "IMG_0008.jpg", "IMG_0012.jpg")
+FILMED = ("IMG_0000.jpg", "IMG_0004.jpg", "IMG_0006.jpg", "IMG_0008.jpg", "IMG_0010.jpg", "IMG_0012.jpg")
 BERLIN_S = 1795165204.5  # 2026-11-20T09:00:04.5Z
 PHONE = {"width": 360, "height": 740}
 SIGMAS = 4.5  # of each coordinate: one of a hundred thousand is beyond
@@ -305,6 +305,26 @@ def test_a_link_with_a_key_opens_the_page(chromium: Browser, guarded: tuple[Guar
         expect(queue_of(page)).to_contain_text("Nothing waits")
         (kept,) = phone.trajectories(page)
         assert kept["pose_count"] == 2
+
+
+def test_a_camera_is_calibrated_by_what_it_films(chromium: Browser, web_served: Served, web_room: Room) -> None:
+    with a_phone(chromium, web_served, web_room) as phone:
+        page = phone.open(f"/#/sites/{web_room.site_id}/phone/calibration")
+        page.get_by_role("button", name="Use the live camera").click()
+        taken = page.get_by_role("list", name="Photographs of the set").get_by_role("listitem")
+        take = page.get_by_role("button", name="Take this picture")
+        while taken.count() < 5:  # the camera stays open, and a frame that is taken twice is kept once
+            take.click()
+            expect(page.get_by_role("status", name="Uploads")).to_contain_text(re.compile(r"^(\d+) of \1 "))
+        expect(taken.filter(has_text="target")).to_have_count(5)
+        page.get_by_label("Phone's name").fill("filmed")
+        page.get_by_role("button", name="Calibrate with 5 photographs").click()
+        expect(page.get_by_text("snapshots of filmed are located with it")).to_be_visible()
+        (camera,) = web_served.client.get("/cameras", params={"device_id": "filmed"}).json()["cameras"]
+        listed = web_served.client.get("/cameras", params={"site_id": web_room.site_id}).json()["cameras"]
+        (known,) = [one for one in listed if one["source"] == "survey"]
+        assert abs(camera["fx"] - known["fx"]) < SIGMAS * np.hypot(camera["sigmas"]["fx"], known["sigmas"]["fx"])
+        web_served.client.delete(f"/cameras/{camera['camera_id']}")
 
 
 def test_without_leave_it_says_what_to_do(chromium: Browser, web_served: Served, web_room: Room) -> None:

@@ -1,35 +1,48 @@
 // The frame around every page: where one is, who one is, what went wrong.
 import { html, useEffect, useRef, useState } from "./core/html.js";
+import { KEY_NEEDED } from "./core/api.js";
 import { match } from "./core/router.js";
 import { leave, may, whoAmI } from "./core/session.js";
 import { routes, siteTabs } from "./routes.js";
 import { Busy, Button, Empty, Failure, Notice } from "./ui/parts.js";
-import { KeyForm } from "./ui/key_form.js";
+import { SignIn, SignInAgain } from "./ui/key_form.js";
 
 const TOPS = [
   { top: "sites", href: "#/", label: "Sites" },
   { top: "operator", href: "#/operator", label: "Operator", scopes: ["survey", "analyse"] },
 ];
 
+/** Who asks: undefined before that is known, null when nobody is signed in; `keyNeeded` when a key ran out in the midst of work. */
+function useWho(onError) {
+  const [who, setWho] = useState(undefined);
+  const [keyNeeded, setKeyNeeded] = useState(false);
+  const ask = () => whoAmI().then((found) => { setWho(found); setKeyNeeded(false); }, onError);
+  useEffect(() => {
+    const onKeyNeeded = () => setKeyNeeded(true);
+    addEventListener(KEY_NEEDED, onKeyNeeded);
+    ask();
+    return () => removeEventListener(KEY_NEEDED, onKeyNeeded);
+  }, []);
+  return { who, keyNeeded, ask, putOff: () => setKeyNeeded(false) };
+}
+
 export function Shell({ linkError }) {
   const [hash, setHash] = useState(location.hash);
-  const [who, setWho] = useState(undefined); // undefined: not asked yet; null: a key is needed
   const [error, setError] = useState(linkError);
-  const ask = () => whoAmI().then(setWho, setError);
+  const { who, keyNeeded, ask, putOff } = useWho(setError);
   useEffect(() => {
     const onHash = () => setHash(location.hash);
-    const onKeyNeeded = () => setWho(null);
     addEventListener("hashchange", onHash);
-    addEventListener("scattermark:key-needed", onKeyNeeded);
-    ask();
-    return () => { removeEventListener("hashchange", onHash); removeEventListener("scattermark:key-needed", onKeyNeeded); };
+    return () => removeEventListener("hashchange", onHash);
   }, []);
   const found = match(hash, routes);
+  const again = () => { setError(null); return ask(); };
   return html`<div class="shell">
     <${Top} hash=${hash} found=${found} who=${who} onLeave=${() => leave().then(ask, setError)} />
     <main id="content" tabindex="-1" class=${found?.route.wide ? "wide" : ""}>
-      <${Failure} error=${error} />
-      ${who === null ? html`<${KeyForm} onOpened=${ask} />` : who === undefined ? !error && html`<p><${Busy} /> loading</p>` : html`<${Page} found=${found} who=${who} />`}
+      <${Failure} error=${error} retry=${who === undefined ? again : null} />
+      ${who === null ? html`<${SignIn} onOpened=${again} />` : who === undefined ? !error && html`<p><${Busy} /> loading</p>` : html`<${Page} key=${who.scopes.join(" ")} found=${found} who=${who} />`}
+      ${who && keyNeeded && html`<${SignInAgain} onOpened=${again} onClose=${putOff} />`}
     </main>
   </div>`;
 }
@@ -59,6 +72,7 @@ function Theme() {
 function Page({ found, who }) {
   const [loaded, setLoaded] = useState(null);
   const [error, setError] = useState(null);
+  useFocusOn(JSON.stringify([found?.route.path, found?.params]));
   useEffect(() => {
     if (!found) return;
     document.title = `${found.route.title} – Scattermark`;
@@ -70,6 +84,15 @@ function Page({ found, who }) {
   if (loaded?.route !== found.route) return html`<p><${Busy} /> loading</p>`;
   return html`${found.params.site && html`<${SiteTabs} site=${found.params.site} tab=${found.route.tab} who=${who} />`}
     <${loaded.view} key=${JSON.stringify(found.params)} ...${found.params} query=${found.query} who=${who} />`;
+}
+
+/** Whoever goes to another page by keys goes on from its beginning: the link that was followed is gone, and with it the focus. */
+function useFocusOn(page) {
+  const before = useRef(page);
+  useEffect(() => {
+    if (before.current !== page) document.getElementById("content").focus({ preventScroll: true });
+    before.current = page;
+  }, [page]);
 }
 
 function SiteTabs({ site, tab, who }) {

@@ -51,7 +51,7 @@ function Sightings({ sightings, who }) {
   if (!sightings.length) return html`<${Empty}>The snapshots that it rests on were removed, or older ones told of it first.</${Empty}>`;
   const columns = [
     { key: "at", label: "Snapshot", value: (one) => one.captured_at, show: (one) => (may(who, "analyse") ? html`<a href=${`#/trajectories/${one.trajectory_id}`}>${time(one.captured_at)}</a>` : time(one.captured_at)) },
-    { key: "device", label: "Device", value: (one) => one.device_id },
+    { key: "device", label: "Device", kind: "name", value: (one) => one.device_id },
     { key: "from", label: "Taken at x, y, z", value: (one) => one.camera_m[0], show: (one) => html`<span class="number">${one.camera_m.map((value) => metres(value, 2)).join(", ")}</span>` },
     { key: "moved", label: "Target off by x, y, z, mm", right: true, value: (one) => one.movement_mm && Math.hypot(...one.movement_mm), show: (one) => (one.movement_mm ? one.movement_mm.map(signed).join(", ") : "–") },
     { key: "used", label: "In the pose", value: (one) => Number(one.used), show: (one) => (one.used ? "used" : "left out") },

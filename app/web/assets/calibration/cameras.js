@@ -26,8 +26,8 @@ export function Cameras({ cameras, fresh, who }) {
 
 function columnsOf(fresh, forget) {
   return [
-    { key: "device", label: "Device", value: (camera) => camera.device_id, show: (camera) => html`${camera.device_id ?? html`<span class="muted">any of the model</span>`} ${camera.camera_id === fresh && html`<${Badge} kind="info">new</${Badge}>`}` },
-    { key: "camera", label: "Camera", value: nameOf },
+    { key: "device", label: "Device", kind: "name", value: (camera) => camera.device_id, show: (camera) => html`${camera.device_id ?? html`<span class="muted">any of the model</span>`} ${camera.camera_id === fresh && html`<${Badge} kind="info">new</${Badge}>`}` },
+    { key: "camera", label: "Camera", kind: "name", value: nameOf },
     { key: "size", label: "Picture", right: true, value: (camera) => camera.width_px, show: (camera) => `${camera.width_px} × ${camera.height_px}` },
     { key: "source", label: "From", value: (camera) => camera.source, show: (camera) => html`<${Badge} kind=${SOURCES[camera.source]?.[1]}>${SOURCES[camera.source]?.[0] ?? camera.source}</${Badge}> ${camera.map_version && html`<span class="small muted">map ${camera.map_version}</span>`}` },
     { key: "focal", label: "Focal length", right: true, value: (camera) => camera.fx, show: (camera) => pixels(camera.fx, 1) },

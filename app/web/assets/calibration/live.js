@@ -7,9 +7,13 @@ import { Preview } from "../phone/preview.js";
 import { Button, Failure } from "../ui/parts.js";
 import { nameNow } from "./names.js";
 
-/** @param {(files: File[]) => void} given.onFiles */
-export function Live({ onFiles }) {
-  const [open, setOpen] = useState(false);
+/**
+ * @param {object} given
+ * @param {(files: File[]) => void} given.onFiles
+ * @param {boolean} given.open whether the camera films; whoever shows this keeps it, so that a set that begins with a picture goes on with it
+ * @param {(open: boolean) => void} given.onOpen
+ */
+export function Live({ onFiles, open, onOpen }) {
   const [size, setSize] = useState(null);
   const camera = useCamera(open);
   const eye = useRef(null); // the video that pictures are taken from
@@ -17,9 +21,9 @@ export function Live({ onFiles }) {
     const { blob } = await frameOf(eye.current);
     onFiles([new File([blob], nameNow("frame", ".jpg"), { type: blob.type })]);
   });
-  if (!open) return html`<${Button} onClick=${() => setOpen(true)}>Use the live camera</${Button}>`;
+  if (!open) return html`<${Button} onClick=${() => onOpen(true)}>Use the live camera</${Button}>`;
   return html`<div class="live"><${Failure} error=${taking.error} />
     <${Preview} camera=${camera} eye=${eye} size=${size} onSize=${setSize} />
-    <div class="row"><${Button} kind="primary" busy=${taking.busy} disabled=${!camera.stream || !size} onClick=${taking.run}>Take this picture</${Button}><${Button} onClick=${() => { setOpen(false); setSize(null); }}>Close the camera</${Button}></div>
+    <div class="row"><${Button} kind="primary" busy=${taking.busy} disabled=${!camera.stream || !size} onClick=${taking.run}>Take this picture</${Button}><${Button} onClick=${() => { onOpen(false); setSize(null); }}>Close the camera</${Button}></div>
     <p class="small muted">For the phone page's live view: what is filmed and what is photographed differ in size, so that each is calibrated by itself.</p></div>`;
 }

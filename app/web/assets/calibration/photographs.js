@@ -7,12 +7,12 @@ import { Badge, Button, Drop, Failure, Notice } from "../ui/parts.js";
 import { Live } from "./live.js";
 import { nameNow } from "./names.js";
 
-/** Where photographs come from. */
-export const Choose = ({ onFiles }) => html`<${Drop} accept=${ACCEPT} onFiles=${onFiles} label="Choose photographs">
+/** Where photographs come from; `filming` is whether the live camera is open, and a way to open it. */
+export const Choose = ({ onFiles, filming: [open, onOpen] }) => html`<${Drop} accept=${ACCEPT} onFiles=${onFiles} label="Choose photographs">
     <p>Drop 5 to 20 photographs of this site's targets here.</p>
     <p class="small muted">As the phone's camera wrote them: one size, no zoom, standing still.</p>
     <${TakeButton} onFiles=${onFiles} />
-  </${Drop}><${Live} onFiles=${onFiles} />`;
+  </${Drop}><${Live} onFiles=${onFiles} open=${open} onOpen=${onOpen} />`;
 
 /** The device's own camera, where it has one: at full size, one photograph at a time. */
 function TakeButton({ onFiles }) {
@@ -32,12 +32,13 @@ const nameOf = (file) => nameNow("photo", /\.\w+$/.exec(file.name)?.[0] ?? ".jpg
  * @param {{data: any[] | null, error: Error | null, reload: () => void}} given.photos of the survey that holds them
  * @param {File[]} given.first files that were chosen before there was a survey
  * @param {object | null} given.result of the calibration: what it says of each photograph
+ * @param {[boolean, (open: boolean) => void]} given.filming whether the live camera is open
  */
-export function Photographs({ site, surveyId, photos, seen, first, result, onPick }) {
+export function Photographs({ site, surveyId, photos, seen, first, filming, result, onPick }) {
   const { items, queue, left, take } = useUploads(surveyId, photos.reload);
   useEffect(() => { if (first.length) take(first); }, [surveyId]);
   return html`<section class="card" aria-label="Photographs"><h2>Photographs</h2>
-    <${Choose} onFiles=${take} />
+    <${Choose} onFiles=${take} filming=${filming} />
     ${left > 0 && html`<${Notice} kind="warn">${plural(left, "file")} left out: no photograph.</${Notice}>`}
     ${items.length > 0 && html`<${Uploads} items=${items} queue=${queue} />`}
     <${Failure} error=${photos.error} retry=${photos.reload} />

@@ -40,7 +40,7 @@ function Intrinsics({ result }) {
 function Residuals({ result }) {
   const worst = Math.max(...result.photographs.map((photo) => photo.rms_residual_px));
   const columns = [
-    { key: "name", label: "Photograph", value: (photo) => photo.name },
+    { key: "name", label: "Photograph", kind: "name", value: (photo) => photo.name },
     { key: "targets", label: "Targets", right: true, value: (photo) => photo.targets },
     { key: "rms", label: "RMS", right: true, value: (photo) => photo.rms_residual_px, show: (photo) => html`<span class="bar-cell"><meter class="bar" min="0" max=${worst} value=${photo.rms_residual_px} aria-hidden="true"></meter>${pixels(photo.rms_residual_px, 3)}</span>` },
   ];

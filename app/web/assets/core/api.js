@@ -1,5 +1,8 @@
 // Calls to the service: JSON in and out, problems (RFC 9457) as errors, lists page by page, events.
 
+export const KEY_NEEDED = "scattermark:key-needed"; // told to the window when the service asks who calls
+export const KEY_SHOWN = "scattermark:key-shown"; // and when it knows again
+
 /** An answer that is a problem: what happened and what to do stands in `message`. */
 export class Problem extends Error {
   /** @param {{type?: string, title?: string, status: number, detail?: string}} members */
@@ -42,7 +45,7 @@ async function problemOf(answer) {
   const type = answer.headers.get("content-type") || "";
   const members = type.includes("json") ? await answer.json() : { detail: await answer.text() };
   const problem = new Problem({ ...members, status: answer.status });
-  if (problem.status === 401) dispatchEvent(new CustomEvent("scattermark:key-needed"));
+  if (problem.status === 401) dispatchEvent(new CustomEvent(KEY_NEEDED));
   return problem;
 }
 
@@ -70,20 +73,4 @@ export async function all(path, name, parameters = {}, most = 100000) {
     cursor = page.next_cursor;
   } while (cursor && items.length < most);
   return items;
-}
-
-/**
- * Server-sent events until `close` is called or the server says that there are no more.
- * @param {string} path
- * @param {Record<string, (data: any) => void>} handlers by the events' names
- * @param {(connected: boolean) => void} [onConnection]
- * @returns {() => void} close
- */
-export function listen(path, handlers, onConnection = () => {}) {
-  const source = new EventSource(path);
-  // A lost connection is an "error" of the browser without data; the service may name an event of its own so, too.
-  for (const [name, handle] of Object.entries(handlers)) source.addEventListener(name, (event) => event.data !== undefined && handle(JSON.parse(event.data)));
-  source.onopen = () => onConnection(true);
-  source.onerror = (event) => event.data === undefined && onConnection(false);
-  return () => source.close();
 }

@@ -27,5 +27,8 @@ export function time(text) {
   return new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "medium" }).format(new Date(text));
 }
 
+/** A message as a sentence begins. */
+export const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 /** A word for a count: `plural(2, "photograph")` is "2 photographs". */
 export const plural = (value, word, more = `${word}s`) => `${count(value)} ${value === 1 ? word : more}`;

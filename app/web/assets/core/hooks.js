@@ -1,4 +1,5 @@
 // What pages share: data that is loaded, kept fresh and may fail.
+import { KEY_SHOWN } from "./api.js";
 import { useCallback, useEffect, useRef, useState } from "./html.js";
 
 /**
@@ -21,7 +22,25 @@ export function useLoaded(load, keys) {
     );
     return () => controller.abort();
   }, [...keys, turn]);
-  return { ...state, reload: useCallback(() => setTurn((before) => before + 1), []) };
+  const reload = useCallback(() => setTurn((before) => before + 1), []);
+  useEffect(() => {
+    if (state.error?.status !== 401) return undefined;
+    addEventListener(KEY_SHOWN, reload);
+    return () => removeEventListener(KEY_SHOWN, reload);
+  }, [state.error]);
+  return { ...state, reload };
+}
+
+/** Something of which nothing may be lost: done for each that was given, one after the other; its error kept until the next is given. */
+export function useEach(act) {
+  const [error, setError] = useState(null);
+  const last = useRef(Promise.resolve());
+  const run = (...given) => {
+    setError(null);
+    last.current = last.current.then(() => act(...given)).catch(setError);
+    return last.current;
+  };
+  return { error, run };
 }
 
 /** Something that a button does: busy while it lasts, its error kept until the next try. */

@@ -1,5 +1,5 @@
 // Who asks: a key is exchanged for a cookie that no script can read.
-import { Problem, Unreachable, get, post, remove } from "./api.js";
+import { KEY_SHOWN, Problem, Unreachable, get, post, remove } from "./api.js";
 import { go } from "./router.js";
 
 const LAST = "scattermark:who"; // a name and scopes, no secret: pages that work without a network show what one may do
@@ -26,7 +26,12 @@ function forget() {
 /** Whether somebody holds one of these scopes; admin includes the others. */
 export const may = (who, ...scopes) => who.scopes.includes("admin") || scopes.some((scope) => who.scopes.includes(scope));
 
-export const showKey = (key) => post("/session", { key });
+/** Exchange a key for the cookie; what waited for one goes on. */
+export async function showKey(key) {
+  await post("/session", { key });
+  dispatchEvent(new CustomEvent(KEY_SHOWN));
+}
+
 export const leave = () => remove("/session");
 
 /**

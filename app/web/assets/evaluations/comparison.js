@@ -21,7 +21,7 @@ export function Differences({ differences }) {
   if (!differences.length) return null;
   return html`<section><h2>Compared in pairs</h2><p class="muted">Mean difference of the two errors at the same moments, with its interval. An interval without zero tells them apart.</p>
     <div class="scroll" tabindex="0" role="region" aria-label="Differences"><table><thead><tr><th>First</th><th>Second</th><th class="right">Common moments</th><th class="right">First less second</th><th>Better</th></tr></thead>
-    <tbody>${differences.map(({ first, second, common, mean_m, better }) => html`<tr><td>${first}</td><td>${second}</td><td class="right number">${count(common)}</td>
+    <tbody>${differences.map(({ first, second, common, mean_m, better }) => html`<tr><td class="name">${first}</td><td class="name">${second}</td><td class="right number">${count(common)}</td>
       <td class="right number">${mean_m ? html`${metres(mean_m.value, 4)} <span class="muted">(${number(mean_m.low, 4)} to ${number(mean_m.high, 4)})</span>` : "–"}</td>
-      <td>${better ? html`<${Badge} kind="good">${better}</${Badge}>` : html`<${Badge} kind="off">not told apart</${Badge}>`}</td></tr>`)}</tbody></table></div></section>`;
+      <td>${better ? html`<b class="better">${better}</b>` : html`<${Badge} kind="off">not told apart</${Badge}>`}</td></tr>`)}</tbody></table></div></section>`;
 }

@@ -32,15 +32,15 @@ function drawShares({ ctx: context, bbox, valToPos }) {
   context.lineWidth = devicePixelRatio;
   context.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
   context.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
-  context.textAlign = "left"; // where no curve is high yet
-  context.textBaseline = "bottom";
+  context.textAlign = "right"; // below the lines' ends, where curves are above them
+  context.textBaseline = "top";
   for (const share of SHARES) {
     const y = Math.round(valToPos(share, "y", true)) + 0.5;
     context.beginPath();
     context.moveTo(bbox.left, y);
     context.lineTo(bbox.left + bbox.width, y);
     context.stroke();
-    context.fillText(`${100 * share} %`, bbox.left + 4 * devicePixelRatio, y - 1);
+    context.fillText(`${100 * share} %`, bbox.left + bbox.width - 4 * devicePixelRatio, y + 2 * devicePixelRatio);
   }
   context.restore();
 }

@@ -18,7 +18,7 @@ export function Lives({ site, trajectories }) {
 }
 
 const columns = [
-  { key: "name", label: "System", value: (item) => item.name, show: (item) => html`<a href=${`#/evaluations/live/${item.live_id}`}>${item.name || "unnamed"}</a>` },
+  { key: "name", label: "System", kind: "name", value: (item) => item.name, show: (item) => html`<a href=${`#/evaluations/live/${item.live_id}`}>${item.name || "unnamed"}</a>` },
   { key: "state", label: "State", value: (item) => item.closed_at, show: (item) => (item.closed_at ? html`<${Badge} kind="off">closed</${Badge}>` : html`<${Badge} kind="good">running</${Badge}>`) },
   { key: "count", label: "Samples", right: true, value: (item) => item.count, show: (item) => count(item.count) },
   { key: "matched", label: "Matched", right: true, value: (item) => item.matched, show: (item) => count(item.matched) },

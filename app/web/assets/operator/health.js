@@ -14,7 +14,7 @@ export function Health() {
   }, [health.reload]);
   return html`<${Loaded} of=${health}>${(found) => html`<section class="card">
     <h2>This server is <${Badge} kind=${KINDS[found.status] || "bad"}>${found.status}</${Badge}></h2>
-    <${Facts} of=${Object.entries(found.checks).map(([name, outcome]) => [name, outcome === "ok" ? html`<${Badge} kind="good">ok</${Badge}>` : html`<${Badge} kind="bad">wrong</${Badge}> ${outcome}`])} />
+    <${Facts} of=${Object.entries(found.checks).map(([name, outcome]) => [name.replaceAll("_", " "), outcome === "ok" ? html`<${Badge} kind="good">ok</${Badge}>` : html`<${Badge} kind="bad">wrong</${Badge}> ${outcome}`])} />
     <p class="small muted">Looked at every ten seconds. For machines: <a href="/readyz">/readyz</a>, <a href="/metrics">/metrics</a>.</p>
   </section>`}</${Loaded}>`;
 }

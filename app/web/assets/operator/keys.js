@@ -26,7 +26,7 @@ const stateOf = (key) => (key.revoked_at ? ["bad", "revoked"] : key.expires_at &
 
 function KeyTable({ keys, onChange }) {
   const columns = [
-    { key: "name", label: "Name", value: (key) => key.name },
+    { key: "name", label: "Name", kind: "name", value: (key) => key.name },
     { key: "hint", label: "Begins with", value: (key) => key.hint, show: (key) => html`<code>${key.hint}…</code>` },
     { key: "scopes", label: "May", value: (key) => key.scopes.join(", ") },
     { key: "sites", label: "Sites", value: (key) => (key.site_ids ? key.site_ids.length : Infinity), show: (key) => (key.site_ids ? key.site_ids.length : "all") },

@@ -2,7 +2,7 @@
 import { all, call, get, post } from "../core/api.js";
 import { plural } from "../core/format.js";
 import { useAction, useLoaded } from "../core/hooks.js";
-import { html, useEffect, useMemo, useState } from "../core/html.js";
+import { html, useEffect, useMemo, useRef, useState } from "../core/html.js";
 import { amend } from "../core/router.js";
 import { may } from "../core/session.js";
 import { Cameras } from "../calibration/cameras.js";
@@ -34,19 +34,22 @@ export default function Calibration({ site: siteId, query, who }) {
 function Wizard({ site, query, onCamera }) {
   const [state, setState] = useState({ surveyId: query.survey ?? null, jobId: query.job ?? null, first: [] });
   const keep = (change) => { setState((before) => ({ ...before, ...change })); };
-  const opening = useAction(async (files) => {
+  const filming = useState(false);
+  const chosen = useRef([]); // more may come while the set is being opened
+  const opening = useAction(async () => {
     const { survey_id } = await post(`/sites/${site.site_id}/surveys`, { note: NOTE });
     amend({ survey: survey_id, job: null });
-    keep({ surveyId: survey_id, jobId: null, first: files });
+    keep({ surveyId: survey_id, jobId: null, first: chosen.current });
   });
+  const choose = (files) => { chosen.current.push(...files); opening.run(); };
   const start = (jobId) => { amend({ job: jobId }); keep({ jobId }); };
-  const again = () => { amend({ survey: null, job: null }); keep({ surveyId: null, jobId: null, first: [] }); };
-  if (!state.surveyId) return html`<${Failure} error=${opening.error} /><div class="calibration"><section class="card" aria-label="Photographs"><h2>Photographs</h2><${Choose} onFiles=${opening.run} /></section><${Coverage} detections=${[]} picked=${null} /></div>`;
-  return html`<${Set} key=${state.surveyId} site=${site} surveyId=${state.surveyId} jobId=${state.jobId} first=${state.first} onStart=${start} onAgain=${again} onCamera=${onCamera} />`;
+  const again = () => { chosen.current = []; amend({ survey: null, job: null }); keep({ surveyId: null, jobId: null, first: [] }); };
+  if (!state.surveyId) return html`<${Failure} error=${opening.error} /><div class="calibration"><section class="card" aria-label="Photographs"><h2>Photographs</h2><${Choose} onFiles=${choose} filming=${filming} /></section><${Coverage} detections=${[]} picked=${null} /></div>`;
+  return html`<${Set} key=${state.surveyId} site=${site} surveyId=${state.surveyId} jobId=${state.jobId} first=${state.first} filming=${filming} onStart=${start} onAgain=${again} onCamera=${onCamera} />`;
 }
 
 /** One set of photographs, from the first of them to the camera. */
-function Set({ site, surveyId, jobId, first, onStart, onAgain, onCamera }) {
+function Set({ site, surveyId, jobId, first, filming, onStart, onAgain, onCamera }) {
   const photos = useLoaded(() => all(`/surveys/${surveyId}/images`, "images"), [surveyId]);
   const names = useMemo(() => (photos.data ?? []).map((photo) => photo.name), [photos.data]);
   const seen = useDetections(surveyId, names);
@@ -54,7 +57,7 @@ function Set({ site, surveyId, jobId, first, onStart, onAgain, onCamera }) {
   const [result, setResult] = useState(null);
   const detections = names.flatMap((name) => seen.found.get(name) ?? []);
   const finish = (job) => { if (result?.camera_id !== job.result.camera_id) { setResult(job.result); onCamera(job.result.camera_id); } };
-  return html`<div class="calibration"><${Photographs} site=${site} surveyId=${surveyId} photos=${photos} seen=${seen} first=${first} result=${result} onPick=${setPicked} />
+  return html`<div class="calibration"><${Photographs} site=${site} surveyId=${surveyId} photos=${photos} seen=${seen} first=${first} filming=${filming} result=${result} onPick=${setPicked} />
       <${Coverage} detections=${detections} picked=${picked} /></div>
     <section class="card" aria-label="Calibration"><h2>Calibrate</h2>
       <${Start} site=${site} surveyId=${surveyId} count=${usable(detections).length} onStart=${(id) => { setResult(null); onStart(id); }} onAgain=${onAgain} />

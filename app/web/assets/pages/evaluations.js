@@ -26,9 +26,9 @@ export default function Evaluations({ site, query }) {
 const ofSystems = (item, show) => item.systems.map((system) => html`<div>${show(system)}</div>`);
 
 const columns = [
-  { key: "title", label: "Title", value: (item) => item.title, show: (item) => html`<a href=${`#/evaluations/${item.evaluation_id}`}>${item.title}</a>` },
-  { key: "reference", label: "Reference", value: (item) => item.reference_name },
-  { key: "systems", label: "Systems", value: (item) => item.systems.length, show: (item) => ofSystems(item, (system) => system.name) },
+  { key: "title", label: "Title", kind: "name", value: (item) => item.title, show: (item) => html`<a href=${`#/evaluations/${item.evaluation_id}`}>${item.title}</a>` },
+  { key: "reference", label: "Reference", kind: "name", value: (item) => item.reference_name },
+  { key: "systems", label: "Systems", kind: "name", value: (item) => item.systems.length, show: (item) => ofSystems(item, (system) => system.name) },
   { key: "pairs", label: "Pairs", right: true, value: (item) => item.systems[0]?.pairs, show: (item) => ofSystems(item, (system) => count(system.pairs)) },
   { key: "rms", label: "RMS in space", right: true, value: (item) => item.systems[0]?.rms_m, show: (item) => ofSystems(item, (system) => metres(system.rms_m, 4)) },
   { key: "ce95", label: "CE95", right: true, value: (item) => item.systems[0]?.CE95_m, show: (item) => ofSystems(item, (system) => metres(system.CE95_m, 4)) },

@@ -1,11 +1,13 @@
 // A live evaluation as it runs: the error so far, pair by pair.
-import { address, get, listen, post } from "../core/api.js";
+import { address, get, post } from "../core/api.js";
 import { count, metres, number } from "../core/format.js";
 import { useAction, useLoaded } from "../core/hooks.js";
 import { html, useEffect, useMemo, useState } from "../core/html.js";
 import { go } from "../core/router.js";
+import { listen } from "../core/listen.js";
 import { Chart } from "../ui/chart.js";
 import { Badge, Button, Empty, Failure, Figures, Loaded } from "../ui/parts.js";
+import { SiteCrumb } from "../ui/site_crumb.js";
 import { colour, seriesColour } from "../ui/theme.js";
 
 const CHART_PX = 300;
@@ -42,7 +44,7 @@ function Running({ live, onChange }) {
     go(`#/trajectories/${kept.trajectory_id}`);
   });
   const shown = state === "closed" || live.closed_at ? "closed" : state;
-  return html`<p class="crumbs"><a href=${`#/sites/${live.site_id}`}>Site</a> › <a href=${`#/sites/${live.site_id}/evaluations`}>Evaluations</a></p>
+  return html`<${SiteCrumb} site=${live.site_id} tab="evaluations" label="Evaluations" />
     <div class="row spread"><h1>${live.name || "Live evaluation"}</h1><div class="row"><span role="status"><${Badge} kind=${STATES[shown][0]}>${STATES[shown][1]}</${Badge}></span>
       <a class="button" href=${`#/trajectories/${live.reference_id}`}>Reference</a>
       <${Button} busy=${keeping.busy} disabled=${!now.count} onClick=${keeping.run}>Keep the samples as a trajectory</${Button}>

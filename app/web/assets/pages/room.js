@@ -23,7 +23,7 @@ export default function Room({ site, query, who }) {
   const room = useLoaded((signal) => loadRoom(site, version, who, signal), [site, version]);
   const trajectories = useLoaded(() => loadTrajectories(site, who), [site]);
   const choose = (wanted) => { amend({ version: wanted }); setVersion(wanted); };
-  return html`<${Loaded} of=${room}>${(found) => (!found.versions.length ? html`<${Empty}>No target map yet: post targets, photograph them, build.</${Empty}>`
+  return html`<${Loaded} of=${room}>${(found) => (!found.versions.length ? html`<h1>Room</h1><${Empty}>No target map yet. Open a <a href=${`#/sites/${site}/surveys`}>survey</a>, add photographs and build it.</${Empty}>`
     : html`<${Failure} error=${trajectories.error} retry=${trajectories.reload} /><${Furnished} room=${found} site=${site} query=${query} trajectories=${trajectories.data ?? []} onVersion=${choose} />`)}</${Loaded}>`;
 }
 

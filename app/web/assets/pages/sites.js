@@ -16,7 +16,7 @@ export default function Sites({ who }) {
 }
 
 const columns = [
-  { key: "name", label: "Name", value: (site) => site.name, show: (site) => html`<a href=${`#/sites/${site.site_id}`}>${site.name}</a>` },
+  { key: "name", label: "Name", kind: "name", value: (site) => site.name, show: (site) => html`<a href=${`#/sites/${site.site_id}`}>${site.name}</a>` },
   { key: "map", label: "Target map", value: (site) => site.map_version, show: (site) => (site.map_version ? html`<${Badge} kind="good">version ${site.map_version}</${Badge}>` : html`<${Badge} kind="off">none yet</${Badge}>`) },
   { key: "family", label: "Codes", value: (site) => site.code_family },
   { key: "u", label: "Module u", right: true, value: (site) => site.plate_u_m, show: (site) => `${(1000 * site.plate_u_m).toFixed(1)} mm` },

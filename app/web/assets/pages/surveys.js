@@ -26,7 +26,7 @@ const Version = ({ siteId, version }) => html`<a href=${`#/sites/${siteId}/repor
 
 function SurveyTable({ siteId, surveys }) {
   const columns = [
-    { key: "note", label: "Survey", value: (survey) => survey.note, show: (survey) => html`<a href=${`#/sites/${siteId}/surveys/${survey.survey_id}`}>${survey.note || "without a note"}</a>` },
+    { key: "note", label: "Survey", kind: "name", value: (survey) => survey.note, show: (survey) => html`<a href=${`#/sites/${siteId}/surveys/${survey.survey_id}`}>${survey.note || "without a note"}</a>` },
     { key: "made", label: "Opened", value: (survey) => survey.created_at, show: (survey) => time(survey.created_at) },
     { key: "maps", label: "Built", value: (survey) => survey.versions.length, show: (survey) => (survey.versions.length ? survey.versions.map((version) => html`<${Version} siteId=${siteId} version=${version} />`) : html`<span class="muted">not yet</span>`) },
   ];

@@ -21,8 +21,8 @@ export default function Trajectories({ site, query }) {
 }
 
 const columns = [
-  { key: "name", label: "Name", value: nameOf, show: (item) => html`<a href=${`#/trajectories/${item.trajectory_id}`}>${nameOf(item)}</a>` },
-  { key: "device", label: "Device", value: (item) => item.device_id, show: (item) => item.device_id ?? "–" },
+  { key: "name", label: "Name", kind: "name", value: nameOf, show: (item) => html`<a href=${`#/trajectories/${item.trajectory_id}`}>${nameOf(item)}</a>` },
+  { key: "device", label: "Device", kind: "name", value: (item) => item.device_id, show: (item) => item.device_id ?? "–" },
   { key: "state", label: "State", value: stateOf, show: (item) => html`<${Badge} kind=${{ open: "good", closed: "off" }[stateOf(item)] ?? "info"}>${stateOf(item)}</${Badge}>` },
   { key: "poses", label: "Poses", right: true, value: (item) => item.pose_count, show: (item) => count(item.pose_count) },
   { key: "failures", label: "Failures", value: (item) => item.failure_count, show: (item) => reasonsText(item.failures_by_reason) },

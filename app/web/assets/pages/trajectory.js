@@ -14,6 +14,7 @@ import { duration, nameOf, reasonsText } from "../trajectories/texts.js";
 import { TrackPlan } from "../trajectories/track_plan.js";
 import { useLive, useTrack } from "../trajectories/use_track.js";
 import { Badge, Busy, Button, Empty, Failure, Figures, Notice } from "../ui/parts.js";
+import { SiteCrumb } from "../ui/site_crumb.js";
 import { useShared } from "../ui/shared_value.js";
 
 export default function Trajectory({ trajectory: trajectory_id, query, who }) {
@@ -33,7 +34,7 @@ const STATES = { connecting: ["info", "connecting"], live: ["good", "live"], int
 function Heading({ track: { trajectory }, state, follow, live, who, onClosed }) {
   const closing = useAction(async () => onClosed(await post(`/trajectories/${trajectory.trajectory_id}/close`)));
   const open = !trajectory.closed_at && !trajectory.source;
-  return html`<p class="crumbs"><a href=${`#/sites/${trajectory.site_id}`}>Site</a> › <a href=${`#/sites/${trajectory.site_id}/trajectories`}>Trajectories</a></p>
+  return html`<${SiteCrumb} site=${trajectory.site_id} tab="trajectories" label="Trajectories" />
     <div class="row spread"><h1>${nameOf(trajectory)}</h1><div class="row">
       ${STATES[state] && html`<span role="status"><${Badge} kind=${STATES[state][0]}>${STATES[state][1]}</${Badge}></span>`}
       ${open && html`<${Button} aria-pressed=${live} onClick=${follow}>${live ? "Stop following" : "Follow live"}</${Button}>`}

@@ -1,5 +1,5 @@
 // One sender for a site's queue: in order, one at a time, for as long as it takes.
-import { Problem, Unreachable } from "../core/api.js";
+import { KEY_SHOWN, Problem, Unreachable } from "../core/api.js";
 import { firstTask, noteTry, settle } from "./queue.js";
 import { perform } from "./tasks.js";
 
@@ -9,6 +9,7 @@ const KEY_WANTED = [401, 403];
 const WORTH_WAITING = [408, 425, 429, 500, 502, 503, 504, 507]; // the server is full, slow or ill, not the picture wrong
 const BLAMES_PICTURE = [500, 504]; // again and again: a picture that no worker survives must not stop those behind it
 const MOST_TRIES = 5;
+const HOPES = ["online", KEY_SHOWN]; // after these what failed may succeed
 
 /** @typedef {{state: "idle" | "sending" | "pausing" | "key", error: Error | null, again_ms: number | null}} Standing */
 
@@ -22,14 +23,14 @@ export class Sender {
   constructor(site_id, readingOf, onChange) {
     Object.assign(this, { site_id, readingOf, onChange, stop: new AbortController(), pause_s: FIRST_PAUSE_S, asked: false, woken: () => {} });
     this.wake = () => { this.pause_s = FIRST_PAUSE_S; this.asked = true; this.woken(); };
-    addEventListener("online", this.wake);
+    for (const name of HOPES) addEventListener(name, this.wake);
     const { locks } = navigator; // on secure pages; elsewhere two tabs may send the same twice, which the service keeps once
     const running = locks ? locks.request(`scattermark-sender:${site_id}`, { signal: this.stop.signal }, () => this.run()) : this.run();
     running.catch((error) => { if (error.name !== "AbortError") throw error; });
   }
 
   close() {
-    removeEventListener("online", this.wake);
+    for (const name of HOPES) removeEventListener(name, this.wake);
     this.stop.abort();
     this.woken();
   }

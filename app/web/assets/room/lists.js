@@ -13,10 +13,10 @@ const rms = { key: "rms", label: "rms, px", right: true, value: (item) => item.r
 
 const LISTS = {
   targets: { label: "Targets", sortBy: "code", columns: [{ key: "code", label: "Code", value: (item) => item.code }, ...place, ...sigmas((item) => item.sigma_m), { key: "rays", label: "Rays", right: true, value: (item) => item.rays }, rms] },
-  photos: { label: "Photographs", sortBy: "name", columns: [{ key: "name", label: "Name", value: (item) => item.name }, ...place, ...sigmas((item) => item.position_sigma_m), { key: "targets", label: "Targets", right: true, value: (item) => item.codes?.length }, rms] },
-  points: { label: "Control points", sortBy: "name", columns: [{ key: "name", label: "Name", value: (item) => item.name }, { key: "role", label: "Role", value: (item) => item.role }, { key: "on", label: "On", value: (item) => `${item.code} ${item.dot}` }, ...place,
+  photos: { label: "Photographs", sortBy: "name", columns: [{ key: "name", label: "Name", kind: "name", value: (item) => item.name }, ...place, ...sigmas((item) => item.position_sigma_m), { key: "targets", label: "Targets", right: true, value: (item) => item.codes?.length }, rms] },
+  points: { label: "Control points", sortBy: "name", columns: [{ key: "name", label: "Name", kind: "name", value: (item) => item.name }, { key: "role", label: "Role", value: (item) => item.role }, { key: "on", label: "On", value: (item) => `${item.code} ${item.dot}` }, ...place,
     { key: "off", label: "Map − list, mm", right: true, value: (item) => item.residual_m && Math.hypot(...item.residual_m), show: (item) => (item.residual_m ? mm(Math.hypot(...item.residual_m), 2).replace(" mm", "") : "–") }] },
-  poses: { label: "Poses", sortBy: "at", columns: [{ key: "at", label: "Time", value: (item) => item.at, show: (item) => time(item.at) }, { key: "of", label: "Trajectory", value: (item) => nameOf(item.trajectory) }, ...place, ...sigmas((item) => item.sigma_m)] },
+  poses: { label: "Poses", sortBy: "at", columns: [{ key: "at", label: "Time", value: (item) => item.at, show: (item) => time(item.at) }, { key: "of", label: "Trajectory", kind: "name", value: (item) => nameOf(item.trajectory) }, ...place, ...sigmas((item) => item.sigma_m)] },
 };
 
 /** Tabs of tables; picking a row picks the thing in the room. */

@@ -1,9 +1,10 @@
 // Control and check points: typed, pasted from a spreadsheet or dropped as a file; checked at once, then by the server.
 import { get, put } from "../core/api.js";
 import { useAction, useLoaded } from "../core/hooks.js";
-import { html, useEffect, useMemo, useState } from "../core/html.js";
+import { html, useEffect, useMemo, useRef, useState } from "../core/html.js";
 import { Button, Drop, Failure, Loaded, Notice } from "../ui/parts.js";
 import { COLUMNS, checkRows, emptyRow, isEmpty, judgeDatum, readRows, recordOf, rowOfRecord } from "./control_rows.js";
+import { draftOf, keepDraft } from "./draft.js";
 
 const MOST_SHOWN = 200; // rows with inputs; more are kept and sent
 const MOST_FAULTS = 6;
@@ -14,18 +15,21 @@ export function ControlPoints({ site, onStored }) {
   useEffect(() => { if (stored.data) onStored(stored.data.control_points); }, [stored.data]);
   return html`<section class="card" aria-label="Control points"><h2>Control points</h2>
     <p class="small muted">Dots whose coordinates a tachymeter or a tape gave. <em>Control</em> points fix the frame; <em>check</em> points take no part and judge it. A dot is A ... E (the red ones, clockwise from the top left, E in the middle), r0c0 ... r3c3, or centre.</p>
-    <${Loaded} of=${stored}>${(found) => html`<${Editor} key=${JSON.stringify(found.control_points)} site=${site} path=${path} points=${found.control_points} onSaved=${stored.reload} />`}</${Loaded}>
+    <${Loaded} of=${stored}>${(found) => html`<${Editor} site=${site} path=${path} points=${found.control_points} onSaved=${stored.reload} />`}</${Loaded}>
   </section>`;
 }
 
 function Editor({ site, path, points, onSaved }) {
-  const [rows, setRows] = useState(() => points.map(rowOfRecord));
+  const [rows, setRows] = useState(() => draftOf(site.site_id) ?? points.map(rowOfRecord));
   const [told, setTold] = useState([]);
   const filled = rows.filter((row) => !isEmpty(row));
   const faults = useMemo(() => checkRows(filled, site.code_family), [rows]);
   const datum = judgeDatum(filled);
   const changed = JSON.stringify(filled) !== JSON.stringify(points.map(rowOfRecord));
-  const saving = useAction(async () => { await put(path, { body: JSON.stringify(filled.map(recordOf)), headers: { "Content-Type": "application/json" } }); onSaved(); });
+  useEffect(() => keepDraft(site.site_id, changed ? rows : null), [rows, changed]);
+  const sent = useRef(null);
+  useEffect(() => { setRows((now) => (now === sent.current ? points.map(rowOfRecord) : now)); setTold([]); }, [points]); // what was typed while others were stored stays
+  const saving = useAction(async () => { sent.current = rows; await put(path, { body: JSON.stringify(filled.map(recordOf)), headers: { "Content-Type": "application/json" } }); onSaved(); });
   const take = (text, replace) => { const read = readRows(text); setRows((before) => [...(replace ? [] : before.filter((row) => !isEmpty(row))), ...read.rows]); setTold(read.problems); };
   const onPaste = (event) => { const text = event.clipboardData.getData("text"); if (/[\t\n\r;]|(,.*){3}/.test(text)) { event.preventDefault(); take(text, false); } };
   return html`<div class="stack" onPaste=${onPaste}>

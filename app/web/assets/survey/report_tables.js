@@ -14,11 +14,11 @@ export function Photos({ site, surveyId, report, use }) {
   const name = (photo) => (surveyId ? html`<a href=${`#/sites/${site.site_id}/surveys/${surveyId}/photos/${encodeURIComponent(photo.name)}`}>${photo.name}</a>` : photo.name);
   const columns = [
     ...useColumn(use, "images", (photo) => photo.name),
-    { key: "name", label: "Photograph", value: (photo) => photo.name, show: name },
+    { key: "name", label: "Photograph", kind: "name", value: (photo) => photo.name, show: name },
     { key: "rms", label: "Residuals, rms", right: true, value: (photo) => photo.rms_px ?? LEFT_OUT_FIRST, show: (photo) => (photo.reason === undefined ? pixels(photo.rms_px, 3) : html`<${Badge} kind="bad">not used</${Badge}>`) },
     { key: "targets", label: "Targets", right: true, value: (photo) => photo.targets ?? 0 },
     { key: "sigma", label: "Sigma of place", right: true, value: (photo) => sigma(photo.position_sigma_m), show: (photo) => mm(sigma(photo.position_sigma_m), 2) },
-    ...(report.photographs_left_out.length ? [{ key: "why", label: "Why not", text: true, value: (photo) => photo.reason ?? "" }] : []),
+    ...(report.photographs_left_out.length ? [{ key: "why", label: "Why not", kind: "text", value: (photo) => photo.reason ?? "" }] : []),
   ];
   return html`<h2>Photographs</h2><${Table} caption="Photographs, the worst first" columns=${columns} rows=${rows} keyOf=${(photo) => photo.name} sortBy="rms" descending=${true} />`;
 }
@@ -32,7 +32,7 @@ export function Targets({ site, report, use }) {
     { key: "rms", label: "Residuals, rms", right: true, value: (target) => target.rms_px, show: (target) => pixels(target.rms_px, 3) },
     { key: "rays", label: "Rays", right: true, value: (target) => target.rays, show: (target) => target.rays ?? UNCHECKED },
     { key: "angle", label: "Angle", right: true, value: (target) => target.intersection_deg, show: (target) => degrees(target.intersection_deg, 1) },
-    ...(report.left_out.length ? [{ key: "why", label: "Why not", text: true, value: (target) => target.detail ?? "" }] : []),
+    ...(report.left_out.length ? [{ key: "why", label: "Why not", kind: "text", value: (target) => target.detail ?? "" }] : []),
   ];
   return html`<h2>Targets</h2><${Table} caption="Targets, the worst first" columns=${columns} rows=${rows} keyOf=${(target) => `${target.code} ${target.reason ?? ""}`} sortBy="sigma" descending=${true} />`;
 }
@@ -43,7 +43,7 @@ export function Points({ report, use }) {
   const axis = (index, label) => ({ key: label, label: `${label}, mm`, right: true, value: (point) => point.residual_m && Math.abs(point.residual_m[index]), show: (point) => (point.residual_m ? number(1000 * point.residual_m[index], 1) : UNCHECKED) });
   const columns = [
     ...useColumn(use, "control_points", (point) => point.name),
-    { key: "name", label: "Point", value: (point) => point.name },
+    { key: "name", label: "Point", kind: "name", value: (point) => point.name },
     { key: "role", label: "Role", value: (point) => point.role },
     { key: "target", label: "Target, dot", value: (point) => point.code, show: (point) => `${point.code} ${point.dot}` },
     axis(0, "X"), axis(1, "Y"), axis(2, "Z"),

@@ -1,5 +1,5 @@
 // One file on its way to the service, with its progress: fetch tells none of an upload, XMLHttpRequest does.
-import { Problem, Unreachable } from "../core/api.js";
+import { KEY_NEEDED, Problem, Unreachable } from "../core/api.js";
 
 /**
  * Send a file as a raw body.
@@ -27,7 +27,7 @@ export function sendFile(path, file, onProgress, signal) {
 function settle(request, resolve, reject) {
   const members = jsonOf(request.responseText);
   if (request.status >= 200 && request.status < 300) return resolve(members);
-  if (request.status === 401) dispatchEvent(new CustomEvent("scattermark:key-needed"));
+  if (request.status === 401) dispatchEvent(new CustomEvent(KEY_NEEDED));
   const retry_after_s = Number(request.getResponseHeader("Retry-After")) || null;
   return reject(Object.assign(new Problem({ ...members, status: request.status }), { retry_after_s }));
 }

@@ -1,12 +1,13 @@
 // Photographs on their way: a few at a time, tried again when the connection is lost, none sent that the service has.
-import { Problem, Unreachable, all } from "../core/api.js";
+import { KEY_SHOWN, Problem, Unreachable, all } from "../core/api.js";
 import { canDigest, sha256Of } from "./digest.js";
 import { sendFile } from "./send_file.js";
 
 export const AT_A_TIME = 3; // as many keep a connection full; more wait for the same disk
 const FIRST_PAUSE_S = 1;
 const LONGEST_PAUSE_S = 20;
-const WORTH_WAITING = [429, 503, 504]; // the server is full, not the photograph wrong
+const WORTH_WAITING = [401, 429, 503, 504]; // a key ran out or the server is full, the photograph is not wrong
+const HOPES = ["online", KEY_SHOWN]; // after these what failed may succeed
 
 export const DONE = ["stored", "there"];
 
@@ -25,7 +26,7 @@ export class UploadQueue {
     this.running = 0;
     this.numbered = 0;
     this.wake = () => this.items.filter((item) => item.state === "lost").forEach((item) => this.again(item));
-    addEventListener("online", this.wake);
+    for (const name of HOPES) addEventListener(name, this.wake);
   }
 
   /** Take files; those that are no pictures at all are left out and counted. */
@@ -49,7 +50,7 @@ export class UploadQueue {
 
   /** Stop everything; what has arrived stays. */
   close() {
-    removeEventListener("online", this.wake);
+    for (const name of HOPES) removeEventListener(name, this.wake);
     this.items.forEach((item) => clearTimeout(item.timer));
     this.stop.abort();
   }
@@ -102,7 +103,7 @@ export class UploadQueue {
       return;
     }
     const pause_s = error.retry_after_s ?? item.pause_s;
-    item.timer = setTimeout(() => this.again(item), 1000 * pause_s);
+    if (error.status !== 401) item.timer = setTimeout(() => this.again(item), 1000 * pause_s); // a key is shown by somebody
     this.set(item, { state: "lost", error, pause_s: Math.min(2 * item.pause_s, LONGEST_PAUSE_S) });
   }
 }

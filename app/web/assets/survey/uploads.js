@@ -1,6 +1,6 @@
 // Photographs on their way to a survey: the queue of a page, and what is seen of it.
 import { bytes, plural } from "../core/format.js";
-import { html, useEffect, useRef, useState } from "../core/html.js";
+import { html, useEffect, useLayoutEffect, useRef, useState } from "../core/html.js";
 import { Badge, Button } from "../ui/parts.js";
 import { DONE, UploadQueue, nextName } from "./upload_queue.js";
 
@@ -13,7 +13,7 @@ export function useUploads(surveyId, onArrived) {
   const [items, setItems] = useState([]);
   const [left, setLeft] = useState(0);
   const queue = useRef(null);
-  useEffect(() => {
+  useLayoutEffect(() => { // there before files can be chosen
     queue.current = new UploadQueue(surveyId, setItems);
     const ask = (event) => { if (queue.current.busy) event.preventDefault(); };
     addEventListener("beforeunload", ask);
@@ -49,7 +49,7 @@ export function Uploads({ items, queue }) {
 }
 
 function Upload({ item, queue }) {
-  const [label, kind] = STATES[item.state];
+  const [label, kind] = item.error?.status === 401 ? ["waits for a key", "warn"] : STATES[item.state];
   return html`<li><div class="row spread"><span>${item.name}</span><span class="row"><${Badge} kind=${kind}>${label}</${Badge}>
       ${item.state === "taken" && html`<${Button} onClick=${() => queue.current.again(item, nextName(item.name))}>Send as ${nextName(item.name)}</${Button}>`}
       ${["taken", "refused", "lost"].includes(item.state) && html`<${Button} onClick=${() => queue.current.again(item)}>Try again</${Button}>`}</span></div>

@@ -25,8 +25,8 @@ const factsOf = (pose) => [
 const columns = [
   { key: "time", label: "Time", value: (failure) => failure.time_s, show: (failure) => time(failure.captured_at) },
   { key: "reason", label: "Reason", value: (failure) => failure.reason },
-  { key: "detail", label: "What happened", text: true, value: (failure) => failure.detail },
-  { key: "advice", label: "What to do", text: true, value: (failure) => failure.advice },
+  { key: "detail", label: "What happened", kind: "text", value: (failure) => failure.detail },
+  { key: "advice", label: "What to do", kind: "text", value: (failure) => failure.advice },
 ];
 
 export const Failures = ({ failures }) => html`<section><h2>Failures</h2><${Table} caption="Failures" columns=${columns} rows=${failures} keyOf=${(failure) => failure.ordinal} sortBy="time" /></section>`;

@@ -77,7 +77,7 @@ function Strip({ poses, failures, gap_s, pointer, range }) {
   });
   const data = useMemo(() => [times, times.map(() => null)], [times]);
   return html`<${Chart} label=${stripText(poses, failures, gap_s)} data=${data} make=${make} keys=${[poses, failures, gap_s]} height_px=${STRIP_PX} pointer=${pointer} range=${range} />
-    <p class="strip-key small muted"><span class="key-pose"></span>pose <span class="key-failure"></span>failure <span class="key-gap"></span>gap, longer than ${gap_s.toFixed(1)} s</p>`;
+    <p class="strip-key small muted"><span><i class="key-pose"></i>pose</span><span><i class="key-failure"></i>failure</span><span><i class="key-gap"></i>gap, longer than ${gap_s.toFixed(1)} s</span></p>`;
 }
 
 const stripText = (poses, failures, gap_s) => `${poses.length} poses, ${failures.length} failures, ${gapsOf(poses, gap_s).length} gaps over time`;

@@ -1,6 +1,7 @@
 // A trajectory as it loads and grows: page by page, then event by event.
-import { address, listen } from "../core/api.js";
+import { address } from "../core/api.js";
 import { useEffect, useState } from "../core/html.js";
+import { listen } from "../core/listen.js";
 import { failureOf, loadPoses, poseOf } from "./poses.js";
 
 const GATHERED_MS = 250; // events of a moment are shown together

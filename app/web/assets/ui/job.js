@@ -1,8 +1,9 @@
 // A job of the service as it goes on: its stage and progress live, a log, cancel, and what came of it.
-import { get, listen, post } from "../core/api.js";
+import { get, post } from "../core/api.js";
 import { time } from "../core/format.js";
 import { useAction } from "../core/hooks.js";
 import { html, useEffect, useState } from "../core/html.js";
+import { listen } from "../core/listen.js";
 import { Badge, Button, Failure, Notice } from "./parts.js";
 
 const ENDED = ["succeeded", "failed", "cancelled"];

@@ -1,18 +1,19 @@
 // Parts that pages are made of. Their looks stand in style/parts.css.
+import { sentence } from "../core/format.js";
 import { html, useEffect, useMemo, useRef, useState } from "../core/html.js";
 
 /** A button; `kind` is primary, danger or plain. */
 export const Button = ({ kind = "", busy = false, children, ...rest }) =>
-  html`<button type="button" class="button ${kind}" disabled=${busy || rest.disabled} ...${rest}>${busy && html`<${Busy} />`}${children}</button>`;
+  html`<button type="button" class="button ${kind}" ...${rest} disabled=${busy || rest.disabled}>${busy && html`<${Busy} />`}${children}</button>`;
 
 export const Busy = () => html`<span class="busy" role="status" aria-label="working"></span>`;
 
 /** A message; `kind` is good, warn or bad. */
 export const Notice = ({ kind = "", children }) => html`<div class="notice ${kind}" role=${kind === "bad" ? "alert" : "status"}>${children}</div>`;
 
-/** What went wrong, in the server's own words, and a way to try again. */
+/** What went wrong, in the server's own words, and what to do: try again, or go back to what is there. */
 export const Failure = ({ error, retry }) =>
-  error && html`<${Notice} kind="bad"><p>${error.message}</p>${retry && html`<${Button} onClick=${retry}>Try again</${Button}>`}</${Notice}>`;
+  error && html`<${Notice} kind="bad"><p>${sentence(error.message)}</p>${retry && (error.status === 404 ? html`<a class="button" href="#/">All sites</a>` : html`<${Button} onClick=${retry}>Try again</${Button}>`)}</${Notice}>`;
 
 /** Children once the data is there; before that a sign of work, or what went wrong. */
 export const Loaded = ({ of, children }) =>
@@ -32,13 +33,14 @@ export const Facts = ({ of }) => html`<dl class="facts">${of.map(([name, value])
 /** A few large numbers: pairs of what it is and the number. */
 export const Figures = ({ of }) => html`<div class="figures">${of.map(([name, value]) => html`<div class="figure"><b>${value}</b><span>${name}</span></div>`)}</div>`;
 
-/** A modal dialog, open while it is shown; Escape closes it. */
+/** A modal dialog, open while it is shown; Escape closes it, and the focus goes back to where it was. */
 export function Dialog({ title, onClose, children }) {
   const element = useRef(null);
   useEffect(() => {
-    const dialog = element.current;
+    const [dialog, before] = [element.current, document.activeElement];
     dialog.showModal();
-    return () => dialog.close();
+    dialog.querySelector("input, select, textarea")?.focus(); // the first thing to fill in, rather than the way out
+    return () => { dialog.close(); before?.focus(); };
   }, []);
   return html`<dialog ref=${element} aria-label=${title} onCancel=${(event) => { event.preventDefault(); onClose(); }}>
     <div class="row spread"><h2 style=${{ margin: 0 }}>${title}</h2><${Button} kind="plain" aria-label="Close" onClick=${onClose}>✕</${Button}></div>
@@ -47,7 +49,7 @@ export function Dialog({ title, onClose, children }) {
 }
 
 /**
- * A table whose columns sort. A column is {key, label, value(row), show?(row), right?, text?}: `right` for numbers, `text` for sentences.
+ * A table whose columns sort. A column is {key, label, value(row), show?(row), right?, kind?}: `right` for numbers, kind "name" for what people or files are called, "text" for sentences.
  * With `onPick` rows are chosen by click or Enter.
  */
 export function Table({ columns, rows, keyOf, sortBy = null, descending = false, onPick, picked, caption }) {
@@ -60,7 +62,7 @@ export function Table({ columns, rows, keyOf, sortBy = null, descending = false,
       <button type="button" onClick=${() => turn(column.key)}>${column.label}</button></th>`)}</tr></thead>
     <tbody>${sorted.map((row) => html`<tr key=${keyOf(row)} aria-selected=${picked === keyOf(row) ? "true" : null} tabindex=${onPick ? 0 : null}
       onClick=${onPick && (() => onPick(row))} onKeyDown=${onPick && ((event) => event.key === "Enter" && onPick(row))}>
-      ${columns.map((column) => html`<td class=${column.right ? "right number" : column.text ? "text" : ""}>${(column.show || column.value)(row)}</td>`)}</tr>`)}</tbody>
+      ${columns.map((column) => html`<td class=${column.right ? "right number" : column.kind ?? ""}>${(column.show || column.value)(row)}</td>`)}</tr>`)}</tbody>
   </table></div>`;
 }
 
@@ -86,7 +88,7 @@ export function Drop({ accept, onFiles, folder = false, children, label }) {
   };
   return html`<div class="drop ${over ? "over" : ""}" onDragOver=${(event) => { event.preventDefault(); setOver(true); }} onDragLeave=${() => setOver(false)} onDrop=${take}>
     ${children}
-    <input ref=${input} class="visually-hidden" type="file" multiple accept=${accept} webkitdirectory=${folder || null} aria-label=${label} onChange=${(event) => { onFiles([...event.target.files]); event.target.value = ""; }} />
+    <input ref=${input} class="visually-hidden" tabindex="-1" type="file" multiple accept=${accept} webkitdirectory=${folder || null} aria-label=${label} onChange=${(event) => { onFiles([...event.target.files]); event.target.value = ""; }} />
     <${Button} onClick=${() => input.current.click()}>${label}</${Button}>
   </div>`;
 }
