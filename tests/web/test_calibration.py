@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from tests.api.serving import ROOM, Served
 from tests.web.prebuilt import Room, surveyed_room
@@ -25,7 +25,12 @@ def test_a_camera_is_calibrated_seen_used_and_forgotten(page: Page, own_room: Ro
     page.goto(f"/#/sites/{own_room.site_id}/phone/calibration")
     shows = page.get_by_role("region", name="What the set shows")
     expect(shows.get_by_text("0 show targets; 5 more")).to_be_visible()
-    page.get_by_label("Choose photographs").first.set_input_files(PHOTOGRAPHS[:4])
+    opening: list[Route] = []
+    page.route("**/surveys", lambda route: opening.append(route))
+    page.get_by_label("Choose photographs").first.set_input_files(PHOTOGRAPHS[:1])
+    page.get_by_label("Choose photographs").first.set_input_files(PHOTOGRAPHS[1:4])  # while the set is being opened
+    (held,) = opening
+    held.continue_()
     expect(shows.get_by_text("4 show targets; 1 more")).to_be_visible()
     expect(page.get_by_role("button", name="Calibrate with 4 photographs")).to_be_disabled()
     page.get_by_label("Choose photographs").first.set_input_files(PHOTOGRAPHS[4:])

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Locator, Page, expect
 from tests.api.serving import Served
 from tests.web.conftest import watched_context
 from tests.web.prebuilt import Room
-from tests.web.waiting import wait_until
+from tests.web.waiting import FRAMED, await_drawn, wait_until
 
 Point = tuple[float, float]
 STEPS = 5
@@ -46,6 +46,7 @@ def move_fingers(page: Page, start: list[Point], end: list[Point]) -> None:
         kind = "touchMove" if step else "touchStart"
         session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    await_drawn(page)
 
 
 def middle_of(surface: Locator) -> tuple[Point, Point]:
@@ -63,6 +64,7 @@ def test_two_fingers_zoom_a_photograph_about_their_middle_and_one_drags_it(touch
     touched.goto(f"/#/sites/{web_room.site_id}/surveys/{web_room.survey_id}/photos/IMG_0000.jpg")
     surface = touched.get_by_role("application")
     expect(touched.get_by_role("button", name="Mark in the photograph")).to_be_visible()
+    wait_until(touched, FRAMED)
     surface.scroll_into_view_if_needed()
     (x, y), (left, top) = middle_of(surface)
     x, y = round(x + 60), round(y - 40)
@@ -86,15 +88,10 @@ def test_two_fingers_zoom_a_photograph_about_their_middle_and_one_drags_it(touch
     assert touched.locator(".overlay .picked").count() == 0
 
 
-def drawn(page: Page) -> None:
-    """What was asked for is on the screen."""
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-
-
 def places(page: Page, change: Callable[[], None]) -> list[Point]:
     """Where a plan draws its plates once something has changed it for the last time."""
     change()
-    drawn(page)
+    await_drawn(page)
     page.evaluate("() => { window.plates = []; }")
     page.get_by_label("Plan of").dispatch_event("wheel", {"deltaY": 0})  # draws what is seen anew
     wait_until(page, "() => window.plates.length > 0")
@@ -143,11 +140,9 @@ def test_two_fingers_come_closer_in_the_room(touched: Page, web_room: Room) -> N
     (x, y), _ = middle_of(canvas)
     away_m = float(canvas.get_attribute("data-away") or "nan")
     move_fingers(touched, [(x - 30, y), (x + 30, y)], [(x - 90, y), (x + 90, y)])
-    drawn(touched)
     closer_m = float(canvas.get_attribute("data-away") or "nan")
     assert away_m / closer_m == pytest.approx(3.0, rel=NEAR)
     before = canvas.screenshot()
     move_fingers(touched, [(x, y)], [(x + 60, y)])
-    drawn(touched)
     assert canvas.screenshot() != before  # one finger turns it
     assert float(canvas.get_attribute("data-away") or "nan") == pytest.approx(closer_m)

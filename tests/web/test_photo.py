@@ -11,17 +11,10 @@ from tests.api.serving import Served
 from tests.web.conftest import watched_context
 from tests.web.prebuilt import Room
 from tests.web.screenshots import keep_screenshot
-from tests.web.waiting import wait_until
+from tests.web.waiting import FRAMED, wait_until
 
 NAME = "IMG_0000.jpg"
 MARK_TOLERANCE_PX = 1.0  # of the photograph, at a zoom where a screen pixel is less than half of that
-
-# The view has the shape of its frame: its size has been noticed.
-FRAMED = """() => {
-  const surface = document.querySelector("svg.photo"), { width, height } = surface.getBoundingClientRect();
-  const [, , seen_width, seen_height] = surface.getAttribute("viewBox").split(" ").map(Number);
-  return Math.abs(seen_width / seen_height - width / height) < 0.001;
-}"""
 
 
 @pytest.fixture
@@ -34,7 +27,8 @@ def detection(web_room: Room, web_served: Served) -> dict[str, Any]:
 
 def open_photo(page: Page, room: Room) -> None:
     page.goto(f"/#/sites/{room.site_id}/surveys/{room.survey_id}/photos/{NAME}")
-    expect(page.get_by_role("application")).to_be_visible()
+    expect(page.get_by_role("button", name="Mark in the photograph")).to_be_visible()  # from here on nothing moves
+    wait_until(page, FRAMED)
 
 
 def scale_of(page: Page) -> int:
@@ -63,8 +57,6 @@ def test_what_was_found_is_drawn_where_it_is(page: Page, web_room: Room, detecti
 def test_a_photograph_is_moved_and_zoomed_by_wheel_keys_and_buttons(page: Page, web_room: Room) -> None:
     open_photo(page, web_room)
     surface = page.get_by_role("application")
-    expect(page.get_by_role("button", name="Mark in the photograph")).to_be_visible()  # from here on nothing moves
-    wait_until(page, FRAMED)
     whole, box = surface.get_attribute("viewBox"), surface.bounding_box()
     assert whole and box
     page.mouse.move(box["x"] + 200, box["y"] + 150)

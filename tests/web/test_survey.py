@@ -139,6 +139,23 @@ def test_control_points_are_checked_as_they_are_pasted(page: Page, web_served: S
     expect(part.get_by_text("are in one line")).to_be_visible()
     page.get_by_label("y_m of row 3").fill("2")
     expect(part.get_by_text("show no blunder")).to_be_visible()
+    # What is typed while the points before it are being stored stays, and is said not to be stored.
+    storing: list[Route] = []
+    page.route("**/control-points", lambda route: storing.append(route) if is_put(route) else route.continue_())
+    with page.expect_request(lambda request: request.method == "PUT"):
+        page.get_by_role("button", name="Save the points").click()
+    page.get_by_role("button", name="Add a point").click()
+    page.get_by_label("name of row 4").fill("P4")
+    with page.expect_response(lambda answer: answer.request.method == "GET" and "control-points" in answer.url):
+        storing.pop().continue_()
+    expect(page.get_by_label("name of row 4")).to_have_value("P4")
+    expect(part.get_by_role("status").filter(has_text="saved")).to_have_text("not saved yet")
+    page.get_by_label("Remove row 4").click()
+    expect(part.get_by_role("status").filter(has_text="saved")).to_have_text("saved")
+
+
+def is_put(route: Route) -> bool:
+    return route.request.method == "PUT"
 
 
 def test_the_page_knows_the_codes_of_each_family(page: Page, web_room: Room) -> None:  # noqa: ARG001 - a page to be on

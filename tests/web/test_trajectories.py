@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from app.trajectories.formats import csv_text
 from tests.api.serving import Served, room_photos
@@ -35,8 +35,8 @@ def own_room(web_served: Served, tmp_path_factory: pytest.TempPathFactory) -> Ro
     return surveyed_room(web_served, tmp_path_factory, as_new=True)
 
 
-def fact(page: Page, name: str) -> str:
-    return page.get_by_label("Pose", exact=True).locator(f"dt:text-is('{name}') + dd").inner_text()
+def fact(page: Page, name: str) -> Locator:
+    return page.get_by_label("Pose", exact=True).locator(f"dt:text-is('{name}') + dd")
 
 
 def test_a_trajectory_is_found_by_what_it_holds(page: Page, web_room: Room) -> None:
@@ -75,7 +75,7 @@ def test_a_trajectory_is_seen_inspected_and_saved(
     page.keyboard.press("ArrowRight")
     second = told["poses"][1]
     for name, value, sigma in zip("xyz", second["position_m"], second["position_sigma_m"], strict=True):
-        assert fact(page, name) == f"{value:.3f} m ± {1000 * sigma:.1f} mm"
+        expect(fact(page, name)).to_have_text(f"{value:.3f} m ± {1000 * sigma:.1f} mm")
     wait_until(page, INKED, [".plan-over", 10])  # a ring about it
     page.keyboard.press("+")
     expect(page.get_by_role("button", name="Show all")).to_be_enabled()

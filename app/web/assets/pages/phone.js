@@ -1,5 +1,5 @@
 // The phone: where am I? Pictures of the live camera or of its camera app, located at once or as soon as there is a network.
-import { useAction } from "../core/hooks.js";
+import { useAction, useEach } from "../core/hooks.js";
 import { html, useEffect, useMemo, useState } from "../core/html.js";
 import { may } from "../core/session.js";
 import { Answer } from "../phone/answer.js";
@@ -49,7 +49,7 @@ function Locating({ room, device, who, onNetwork }) {
       <section class="phone-plan" aria-label="Plan"><${HerePlan} room=${room} answers=${answers} /></section>
     </div><div class="phone-column">
       <${Answer} result=${newest} site=${site_id} waiting=${queue.tasks.length > 0 && queue.standing.state === "sending"} />
-      <${Failure} error=${taking.once.error ?? taking.frame.error ?? taking.files.error} />
+      <${Failure} error=${taking.once.error ?? taking.frame.error ?? taking.files.error ?? run.error} />
       <${Bar} ready=${eye.ready} taking=${taking.once} run=${run} counts=${counts} onRun=${() => run.start({ ...wish.told(), device_id: device.id })} />
       <${RunCard} run=${run.run} skipped=${run.skipped} wish=${wish} analyst=${may(who, "analyse")} />
       <${QueuePanel} queue=${queue} />
@@ -68,7 +68,7 @@ function useTaking({ site_id, device_id, clock, queue, eye }) {
   };
   const once = useAction(() => take(true));
   const frame = useAction((run) => take(false, run.trajectory_id));
-  const files = useAction(async (chosen) => {
+  const files = useEach(async (chosen) => {
     for (const file of chosen) {
       const { names_camera, ...moment } = await momentOfFile(file);
       await add({ blob: file, ...moment }, names_camera ? null : eye.chosen); // a file that names its camera knows better

@@ -26,8 +26,8 @@ export function Bar({ ready, taking, run, counts, onRun }) {
   return html`<div class="phone-bar" role="group" aria-label="Take pictures">
     ${run.run && html`<${Counts} of=${counts} />`}
     <div class="phone-buttons">${!run.run
-      ? html`<${Button} kind="primary" disabled=${!ready} busy=${taking.busy} onClick=${() => taking.run()}>Locate</${Button}><${Button} disabled=${!ready} onClick=${onRun}>Start run</${Button}>`
-      : html`${run.going ? html`<${Button} onClick=${run.pause}>Pause</${Button}>` : html`<${Button} kind="primary" disabled=${!ready} onClick=${run.resume}>Go on</${Button}>`}<${Button} kind="danger" onClick=${run.end}>End run</${Button}>`}</div>
+      ? html`<${Button} kind="primary" disabled=${!ready} busy=${taking.busy} onClick=${() => taking.run()}>Locate</${Button}><${Button} disabled=${!ready || run.busy} onClick=${onRun}>Start run</${Button}>`
+      : html`${run.going ? html`<${Button} onClick=${run.pause}>Pause</${Button}>` : html`<${Button} kind="primary" disabled=${!ready || run.busy} onClick=${run.resume}>Go on</${Button}>`}<${Button} kind="danger" disabled=${run.busy} onClick=${run.end}>End run</${Button}>`}</div>
   </div>`;
 }
 

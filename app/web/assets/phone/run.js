@@ -1,4 +1,5 @@
 // A run: a picture every so many seconds into one trajectory. It goes on after the page was closed, until somebody ends it.
+import { useAction } from "../core/hooks.js";
 import { useEffect, useRef, useState } from "../core/html.js";
 import { newId } from "./ids.js";
 import { closeTask, openTask } from "./tasks.js";
@@ -15,7 +16,7 @@ function read(site_id) {
  * @param {string} site_id
  * @param {(task: object) => Promise<void>} add to the queue
  * @param {(run: Run) => Promise<void>} snap takes a picture and puts it in the queue
- * @returns {{run: Run | null, going: boolean, skipped: number, start: Function, pause: Function, resume: Function, end: Function}}
+ * @returns {{run: Run | null, going: boolean, skipped: number, busy: boolean, error: Error | null, start: Function, pause: Function, resume: Function, end: Function}}
  */
 export function useRun(site_id, add, snap) {
   const [run, setRun] = useState(() => read(site_id));
@@ -39,22 +40,26 @@ export function useRun(site_id, add, snap) {
     const timer = setInterval(tick, 1000 * run.every_s);
     return () => clearInterval(timer);
   }, [going, run]);
+  const starting = useAction(async ({ name, every_s, device_id }) => {
+    const begun = { trajectory_id: newId(), name, every_s, begun_ms: Date.now() };
+    await add(openTask(site_id, begun.trajectory_id, device_id, name));
+    setSkipped(0);
+    keep(begun);
+    setGoing(true);
+  });
+  const ending = useAction(async () => {
+    setGoing(false);
+    await taking.current; // a picture that came after the end would be refused
+    await add(closeTask(site_id, run.trajectory_id));
+    keep(null);
+  });
   return {
     run, going, skipped,
-    start: async ({ name, every_s, device_id }) => {
-      const begun = { trajectory_id: newId(), name, every_s, begun_ms: Date.now() };
-      await add(openTask(site_id, begun.trajectory_id, device_id, name));
-      setSkipped(0);
-      keep(begun);
-      setGoing(true);
-    },
+    busy: starting.busy || ending.busy,
+    error: starting.error ?? ending.error,
+    start: starting.run,
     pause: () => setGoing(false),
     resume: () => setGoing(true),
-    end: async () => {
-      setGoing(false);
-      await taking.current; // a picture that came after the end would be refused
-      await add(closeTask(site_id, run.trajectory_id));
-      keep(null);
-    },
+    end: ending.run,
   };
 }

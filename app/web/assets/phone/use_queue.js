@@ -1,5 +1,5 @@
 // The queue as the page shows it: what waits, what came of the rest, how the sending stands.
-import { useEffect, useRef, useState } from "../core/html.js";
+import { useLayoutEffect, useRef, useState } from "../core/html.js";
 import { addTask, discard, forgetResults, resultsOf, tasksOf } from "./queue.js";
 import { Sender } from "./sender.js";
 
@@ -13,7 +13,7 @@ export function useQueue(site_id, readingOf) {
   const [kept, setKept] = useState({ tasks: [], results: [], loaded: false, error: null });
   const [standing, setStanding] = useState({ state: "idle", error: null, again_ms: null });
   const parts = useRef(null);
-  useEffect(() => {
+  useLayoutEffect(() => { // there before a picture can be taken
     let open = true;
     const failed = (error) => open && setKept((before) => ({ ...before, error }));
     const load = () => Promise.all([tasksOf(site_id), resultsOf(site_id)]).then(([tasks, results]) => open && setKept({ tasks, results, loaded: true, error: null }), failed);

@@ -34,13 +34,15 @@ export function Plan({ label, bounds, draw, keys, points, pointer }) {
   // Ends as the plan leaves the page; other effects end a moment later, when there is nothing left to draw on.
   useLayoutEffect(() => {
     const around = place.current;
-    const observer = new ResizeObserver(() => {
+    const follow = () => {
       const [width_px, height_px] = [around.clientWidth, around.clientHeight];
       if (!width_px || !height_px) return;
       [under.current, over.current].forEach((canvas) => size(canvas, width_px, height_px));
       view.current = view.current && !latest.current.fits ? resized(view.current, width_px, height_px) : fitted(latest.current.bounds, width_px, height_px);
       redraw();
-    });
+    };
+    follow(); // keys and buttons find a view from the start
+    const observer = new ResizeObserver(follow);
     observer.observe(around);
     const ends = [followHands(over.current, view, look, () => latest.current.points, pointer), pointer.listen(() => ring(over.current, view.current, latest.current.points, pointer.get()))];
     return () => { cancelAnimationFrame(frame.current); observer.disconnect(); ends.forEach((end) => end()); };

@@ -1,5 +1,5 @@
 // Hands on a picture: wheel, drag, pinch and keys become zoom and pan; a touch without movement is a pick.
-import { useEffect, useRef } from "../core/html.js";
+import { useLayoutEffect, useRef } from "../core/html.js";
 
 const WHEEL_STEP = 0.0015; // a notch of a wheel, 100 units, zooms by a seventh
 const KEY_ZOOM = 1.25;
@@ -15,7 +15,7 @@ const STILL_PX = 5; // a finger that moves less meant to touch
 export function useGestures(element, act) {
   const latest = useRef(act);
   latest.current = act;
-  useEffect(() => {
+  useLayoutEffect(() => { // as soon as it is seen it may be touched
     const surface = element.current;
     const hands = new Hands(surface, latest);
     const listeners = { wheel: hands.wheel, pointerdown: hands.down, pointermove: hands.move, pointerup: hands.up, pointercancel: hands.cancel, pointerleave: hands.leave, keydown: hands.key };

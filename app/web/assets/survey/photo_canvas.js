@@ -1,5 +1,5 @@
 // A photograph to zoom and move in, with what was seen drawn over it.
-import { html, useEffect, useLayoutEffect, useMemo, useRef, useState } from "../core/html.js";
+import { html, useLayoutEffect, useMemo, useRef, useState } from "../core/html.js";
 import { Button } from "../ui/parts.js";
 import { useGestures } from "./gestures.js";
 import { Loupe } from "./loupe.js";
@@ -24,8 +24,9 @@ export function PhotoCanvas({ path, detection, marks, show, picked, focus, marki
   const [cursor, setCursor] = useState(null); // upright pixels
   const shown = view ?? fit(upright, frame);
   const change = (next) => setView((before) => next(before ?? fit(upright, frame)));
-  useEffect(() => { if (focus) setView(closeUp(boxOf(focus.map(upright.toUpright)), frame)); }, [focus]);
-  useEffect(() => setCursor(marking ? [shown.x_px, shown.y_px] : null), [marking]);
+  // Before anything else is done to it: a key that comes at once finds the cross.
+  useLayoutEffect(() => { if (focus) setView(closeUp(boxOf(focus.map(upright.toUpright)), frame)); }, [focus]);
+  useLayoutEffect(() => setCursor(marking ? [shown.x_px, shown.y_px] : null), [marking]);
   const act = {
     zoom: (factor, point) => change((before) => zoom(before, frame, upright, factor, point)),
     pan: (dx, dy) => change((before) => pan(before, upright, dx, dy)),
