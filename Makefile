@@ -17,7 +17,7 @@ demo: $(VENV)/.ready ## survey and locate in the real service: make demo [ROOM=p
 	@$(BIN)/scattermark demo "$(ROOM)"
 
 test: lint ## lint, types and the test suite
-	@$(BIN)/python -m pytest -n 2 --dist loadfile
+	@$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 lint: $(VENV)/.ready-test ## ruff and mypy
 	@$(BIN)/ruff check .

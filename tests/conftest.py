@@ -19,6 +19,28 @@ from tests.object_stores import S3Server, s3_server
 settings.register_profile("scattermark", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("scattermark")
 
+# Files of few tests that wait for processes, or compute, longer than any other: begun last, one would keep the suite
+# waiting while the other core has nothing to do.
+LONG = (
+    "tests/faults/test_kill_builds.py",
+    "tests/containers/test_image.py",
+    "tests/test_docs.py",
+    "tests/cli/test_demo.py",
+    "tests/benchmarks/test_service_memory.py",
+    "tests/contract/test_contract.py",
+    "tests/cli/test_graceful_server.py",
+    "tests/cli/test_serve.py",
+    "tests/faults/test_processes.py",
+    "tests/faults/test_clock.py",
+    "tests/api/test_on_postgres.py",
+    "tests/web/test_survey.py",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest files first; the others as they come."""
+    items.sort(key=lambda item: not item.nodeid.startswith(LONG))
+
 
 def pytest_sessionstart() -> None:
     """Compile once: the services that tests start would each do it, and at the same time."""

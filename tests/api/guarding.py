@@ -11,7 +11,7 @@ from typing import Any
 import httpx
 
 from app.settings import Settings
-from tests.api.serving import Served, serve
+from tests.api.serving import ANSWER_S, Served, serve
 
 ADMIN_SECRET = "0123456789abcdef-of-the-operator"
 
@@ -28,7 +28,7 @@ class Guarded(Served):
 
     def anonymous(self) -> httpx.Client:
         """A client without a key."""
-        return httpx.Client(base_url=self.client.base_url, timeout=60.0)
+        return httpx.Client(base_url=self.client.base_url, timeout=ANSWER_S)
 
     def holder(self, *scopes: str, **body: Any) -> httpx.Client:
         """A client that shows a new key."""
@@ -36,7 +36,7 @@ class Guarded(Served):
 
     def with_secret(self, secret: str) -> httpx.Client:
         headers = {"Authorization": f"Bearer {secret}"}
-        return httpx.Client(base_url=self.client.base_url, headers=headers, timeout=60.0)
+        return httpx.Client(base_url=self.client.base_url, headers=headers, timeout=ANSWER_S)
 
 
 @contextmanager

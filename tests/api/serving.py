@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager, nullcontext
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,9 @@ from app.main import run_services
 from app.settings import PREFIX, Settings
 
 ROOM = Path(__file__).parents[2] / "examples" / "room"
-START_S = 60.0
+START_S = 180.0  # a process that imports all, and the workers that come of it, on a loaded machine
+UNHURRIED_S = 120.0  # for a snapshot, which takes a third of a second when nothing else runs
+ANSWER_S = 240.0  # longer than any answer takes
 BUILD_S = 300.0
 PROBLEM_TYPE = "application/problem+json"
 ENDED = ("succeeded", "failed", "cancelled")
@@ -72,6 +74,25 @@ class Served:
         return self.client.post("/locate", data={"site_id": site_id, **fields}, files={"image": image})
 
 
+def unhurried(settings: Settings) -> Settings:
+    """Time enough for snapshots on a loaded machine, unless the test has set their limit itself."""
+    if settings.locate_timeout_s != Settings.locate_timeout_s:
+        return settings
+    return replace(settings, locate_timeout_s=UNHURRIED_S)
+
+
+@contextmanager
+def hurried(served: Served, limit_s: float) -> Iterator[None]:
+    """Give snapshots so many seconds until the block ends."""
+    locator = served.services.locator
+    before = locator._limits
+    locator._limits = replace(before, timeout_s=limit_s)
+    try:
+        yield
+    finally:
+        locator._limits = before
+
+
 def environment_of(settings: Settings) -> dict[str, str]:
     """What gives another process the same settings."""
     return {
@@ -83,6 +104,7 @@ def environment_of(settings: Settings) -> dict[str, str]:
 @contextmanager
 def serve(settings: Settings, worker: bool = True) -> Iterator[Served]:
     """Run the service in a thread, and a worker beside it if builds are wanted, until the block ends."""
+    settings = unhurried(settings)
     supervised = supervised_worker(settings.data_dir, environment_of(settings)) if worker else nullcontext()
     with supervised, _serve(settings) as served:
         yield served
@@ -117,7 +139,7 @@ def _serve(settings: Settings) -> Iterator[Served]:
             time.sleep(0.01)
         assert server.started, "the service did not start"
         port = server.servers[0].sockets[0].getsockname()[1]
-        with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=ANSWER_S) as client:
             yield Served(client, settings, started[0])
     finally:
         server.should_exit = True

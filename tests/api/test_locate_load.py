@@ -24,7 +24,7 @@ from tests.databases import Databases
 CLIENTS = 32
 EACH = 4
 DEVICES = 5
-DEADLINE_S = 60.0
+DEADLINE_S = 240.0  # of a loaded machine
 SNAPSHOT = room_photos("locate")["IMG_0000.jpg"]
 
 

@@ -11,6 +11,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from numba.core.caching import _CacheLocator
+
+from app.compiled import _kept_in
 from tests.containers.dockerfile import Stage, sent_to_engine
 
 COMMAND_S = 300.0
@@ -70,6 +73,23 @@ class Image:
         """
         (own,) = (self.root / "opt/scattermark/lib").glob("python*/site-packages")
         (own / "lent.pth").write_text("\n".join(site.getsitepackages()) + "\n")
+
+    def lend_compiled(self) -> None:
+        """Let it find the kernels compiled, as this checkout has them: to compile them again would cost a minute, too.
+
+        Numba knows a source by its folder, its time and its size.
+        """
+        (package,) = (self.root / "opt/scattermark/lib").glob("python*/site-packages/app")
+        kept = _kept_in()
+        assert kept is not None, "no folder can be written for compiled code"
+        lent = package / "__pycache__" / kept.name
+        shutil.copytree(kept, lent)
+        for source in (self.checkout / "app").rglob("kernels/*.py"):
+            copied = package / source.relative_to(self.checkout / "app")
+            shutil.copystat(source, copied)
+            ours, its = (lent / _CacheLocator.get_suitable_cache_subpath(str(path)) for path in (source, copied))
+            if ours.exists():
+                ours.rename(its)
 
     def _copy(self, words: list[str], folder: Path) -> None:
         *sources, target = words

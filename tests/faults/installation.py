@@ -15,7 +15,7 @@ from pathlib import Path
 import httpx
 
 from app.settings import Settings
-from tests.api.serving import Served, environment_of
+from tests.api.serving import Served, environment_of, unhurried
 
 PATIENCE_S = 300.0
 MARK = "SCATTERMARK_TEST_INSTALLATION"  # in the environment of every process of one installation
@@ -25,7 +25,7 @@ class Installation:
     """One data folder, and the processes over it."""
 
     def __init__(self, settings: Settings) -> None:
-        self.settings = settings
+        self.settings = settings = unhurried(settings)
         self._mark = uuid.uuid4().hex
         self._environment = {**environment_of(settings), MARK: self._mark, "SCATTERMARK_LOG_LEVEL": "warning"}
         self._roots: list[subprocess.Popen[str]] = []

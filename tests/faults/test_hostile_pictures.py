@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import closing
-from dataclasses import replace
-
 import pytest
 
-from app.settings import Settings
-from tests.api.serving import serve
+from tests.api.serving import hurried
 from tests.faults.hostile_pictures import LOCATED, REFUSED, endless_scans, truncated
 from tests.faults.ledger import SNAPSHOT_BYTES, Ledger
 
 CUTS = 12
 SCANS = 2000
+LIMIT_S = 1.0  # far less than so many scans take
 
 
 @pytest.mark.parametrize("name", LOCATED)
@@ -53,15 +49,8 @@ def test_a_body_that_is_packed_is_not_unpacked(ledger: Ledger) -> None:
     assert answer.status_code == 415
 
 
-@pytest.fixture(scope="module")
-def hasty(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
-    """A service that gives a snapshot a second."""
-    settings = Settings(data_dir=tmp_path_factory.mktemp("hasty"), locate_workers=1, build_workers=1)
-    with serve(replace(settings, locate_timeout_s=2.0), worker=False) as running, closing(Ledger(running)) as kept:
-        yield kept
-
-
-def test_a_picture_of_endless_work_costs_its_own_time_only(hasty: Ledger) -> None:
+def test_a_picture_of_endless_work_costs_its_own_time_only(ledger: Ledger) -> None:
     assert len(endless_scans(SCANS)) < 20 * len(SNAPSHOT_BYTES)
-    assert hasty.locate(endless_scans(SCANS)).status_code == 504
-    hasty.check()
+    with hurried(ledger.served, LIMIT_S):
+        assert ledger.locate(endless_scans(SCANS)).status_code == 504
+    ledger.check()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import socket
+import time
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -19,6 +20,7 @@ from tests.faults.ledger import SNAPSHOT_BYTES, Ledger, rows_of, wait_until
 from tests.faults.wire import answer_of, connected, exchange, first_status, head
 
 CROWD = 12
+AGAIN_S = 0.05  # not the second that a refusal tells: the crowd shall stay one
 PHOTOS = list(room_photos("survey").values())
 
 
@@ -64,7 +66,7 @@ def test_a_snapshot_sent_by_many_at_once_is_one_pose(ledger: Ledger) -> None:
 
     def send(_number: int) -> httpx.Response:
         while (answer := ledger.locate(snapshot_id=snapshot_id)).status_code == 503:
-            pass  # one worker, and a crowd before it
+            time.sleep(AGAIN_S)  # one worker, and a crowd before it
         return answer
 
     answers = at_once(send)

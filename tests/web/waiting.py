@@ -6,7 +6,7 @@ import time
 
 from playwright.sync_api import Page
 
-PATIENCE_MS = 60_000  # machines that run tests are loaded
+PATIENCE_MS = 180_000  # machines that run tests are loaded
 
 # A photograph's view has the shape of its frame: its size has been noticed.
 FRAMED = """() => {
