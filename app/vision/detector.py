@@ -162,6 +162,8 @@ def _half_hidden(bgr: Pixels, blobs: Blobs, free: npt.NDArray[np.intp], options:
     parts = options.parts.at_first_sight()
     groups, sides = behind_sides(bgr, blobs, free, options.hidden_sides, parts.sides)
     found, visible = fit_covered(Pyramid.of(bgr, 1), sides, options.blur_px, parts)
+    if len(found) < 2:
+        return visible.fits
     return visible.fits.select(one_dot_one_target(groups[found], visible.fits.explained()))
 
 

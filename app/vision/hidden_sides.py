@@ -27,6 +27,7 @@ Indices = npt.NDArray[np.intp]
 Pixels = npt.NDArray[np.uint8]
 
 E = BASE_NAMES.index("E")
+CORNERS = 4
 # The corners that are seen, clockwise: of the top, the right, the bottom, the left side.
 SEEN_CORNERS = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
 HIDDEN_CORNERS = SEEN_CORNERS[[2, 3, 0, 1]]
@@ -121,9 +122,9 @@ def behind_sides(
     extended, groups = complete_sides(blobs, free, options)
     groups = promising(bgr, extended, groups, options.proposals)
     base_px, made_up = extended.centres_px[groups], groups >= len(blobs)
-    corners = made_up[:, HIDDEN_CORNERS].all(axis=2)  # side by side that is seen
-    hidden_side = (np.argmax(corners, axis=1) + 2) % SIDES
-    image_from_plate = image_from_corner_dots(base_px[:, : len(SEEN_CORNERS)])
+    # Clockwise, the hidden side's second corner is the last that was made up.
+    hidden_side = (np.argmax(groups[:, :CORNERS], axis=1) - 1) % SIDES
+    image_from_plate = image_from_corner_dots(base_px[:, :CORNERS])
     covered = covered_sides(bgr, _red_of(bgr, base_px), image_from_plate, sides, hidden_side)
     # What was made up must be hidden, and what was seen in sight.
     suits = np.flatnonzero((covered.seen(BASE_U) != made_up).all(axis=1))

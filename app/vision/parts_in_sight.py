@@ -102,18 +102,20 @@ def fit_in_sight(
     blur_px : float
     """
     doubted = _doubted(fits, options)
-    red, each = np.tile(third_red(fits.amplitudes[doubted]), len(starts)), np.tile(doubted, len(starts))
+    if not len(doubted):
+        return _put_together(fits, [])
+    red = np.concatenate([third_red(fits.amplitudes[doubted])] * len(starts))
     image_from_plate = np.concatenate([start[doubted] for start in starts])
     sides = covered_sides(pyramid.bgr, red, image_from_plate, options.sides)
-    suspects, done = sides.covered(), np.zeros(len(fits.px_per_u), dtype=np.bool_)
-    found = list[tuple[Indices, VisibleFits]]()
+    found, left = list[tuple[Indices, VisibleFits]](), np.ones(len(doubted), dtype=np.bool_)
+    start, place = np.divmod(sides.covered(), len(doubted))
     for number in range(len(starts)):
-        likely = suspects[suspects // max(len(doubted), 1) == number]
-        likely = likely[~done[each[likely]]]
-        stands, visible = fit_covered(pyramid, sides.select(likely), blur_px, options)
-        found.append((each[likely[stands]], visible))
-        done[each[likely[stands]]] = True
-    return _put_together(fits, [lot for lot in found if len(lot[0])])
+        likely = place[(start == number) & left[place]]
+        if len(likely):
+            stands, visible = fit_covered(pyramid, sides.select(number * len(doubted) + likely), blur_px, options)
+            found.append((doubted[likely[stands]], visible))
+            left[likely[stands]] = False
+    return _put_together(fits, found)
 
 
 def _doubted(fits: PlateFits, options: PartOptions) -> Indices:
@@ -127,7 +129,7 @@ def _doubted(fits: PlateFits, options: PartOptions) -> Indices:
 def _put_together(fits: PlateFits, found: Sequence[tuple[Indices, VisibleFits]]) -> PartsInSight:
     """Fits of whole plates, and in their places those of what is seen of some plates."""
     hidden = np.zeros((len(fits.px_per_u), DOT_COUNT), dtype=np.bool_)
-    if not found:
+    if not any(len(plates) for plates, _ in found):
         return PartsInSight(fits, hidden, hidden)
     cut, parts = hidden.copy(), [getattr(fits, part.name).copy() for part in fields(fits)]
     for plates, visible in found:
@@ -158,7 +160,7 @@ def fit_covered(
             found, sides = found[likely], sides.select(likely)
     few_hidden = visible.hidden[:, BASE].sum(axis=1) <= options.base_hidden_max
     stands = np.flatnonzero(few_hidden & (visible.fits.explained() > options.explained_min))
-    return found[stands], visible.select(stands)
+    return (found, visible) if len(stands) == len(found) else (found[stands], visible.select(stands))
 
 
 def _refined(visible: VisibleFits, size_px: tuple[int, int]) -> Array:

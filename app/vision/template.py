@@ -91,7 +91,8 @@ class PlateTemplate:
 
 def blur_level(blur_u: Array) -> npt.NDArray[np.int64]:
     """The template's level nearest to a blur in u."""
-    return np.clip(np.rint(blur_u / BLUR_STEP_U), *BLUR_LEVELS).astype(np.int64)
+    least, most = BLUR_LEVELS
+    return np.minimum(np.maximum(np.rint(blur_u / BLUR_STEP_U), least), most).astype(np.int64)
 
 
 def plate_template(grid: PatchGrid, level: int) -> PlateTemplate:

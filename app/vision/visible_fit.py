@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from app.targets.layout import DOT_COUNT
-from app.vision.kernels.coefficients import BACKGROUND, CHANNELS, COEFFICIENTS
 from app.vision.kernels.visible import fit_seen
 from app.vision.measurement import PlateFits
 from app.vision.patches import Patches
@@ -45,9 +44,7 @@ class VisibleFits:
     @classmethod
     def none(cls) -> VisibleFits:
         """Of no plate."""
-        shapes = ((3, 3), (), (DOT_COUNT, CHANNELS), (DOT_COUNT, 2, CHANNELS), (CHANNELS,), (), (), (DOT_COUNT, 2, 2))
-        parts = [np.empty((0, *shape)) for shape in (*shapes, (CHANNELS, COEFFICIENTS - BACKGROUND))]
-        return cls(PlateFits(*parts), np.empty((0, DOT_COUNT)))
+        return cls(PlateFits.room_for(np.empty((0, 3, 3)), np.empty(0)), np.empty((0, DOT_COUNT)))
 
     def select(self, chosen: npt.NDArray[np.intp]) -> VisibleFits:
         """The fits of some plates."""
@@ -68,25 +65,9 @@ class VisibleFits:
 
 def fit_visible(patches: Patches, blur_px: float, seen: Mask) -> VisibleFits:
     """Fit plates under one blur to the samples in sight, ``seen`` of shape (P, S)."""
-    plates = len(patches.samples)
-    amplitudes, slopes = np.empty((plates, DOT_COUNT, CHANNELS)), np.empty((plates, DOT_COUNT, 2, CHANNELS))
-    planes, cofactors = np.empty((plates, CHANNELS, COEFFICIENTS - BACKGROUND)), np.empty((plates, DOT_COUNT, 2, 2))
-    (residual_rms, spread_rms), shares = np.empty((2, plates)), np.empty((plates, DOT_COUNT))
-    levels = patches.levels(np.full(plates, blur_px))
-    written = (amplitudes, slopes, planes, residual_rms, spread_rms, cofactors, shares)
-    known = (HIDDEN_RIDGE, PAPER_RIDGE, PATCH_REACH_U)
-    fit_seen(patches.samples, seen, levels, shelf_with(patches.grid, levels).parts, known, written)
-    unread = shares < READ_SHARE
-    amplitudes[unread], slopes[unread] = 0.0, 0.0
-    fits = PlateFits(
-        image_from_plate=patches.image_from_plate,
-        px_per_u=patches.px_per_u,
-        amplitudes=amplitudes,
-        slopes=slopes,
-        background=planes[:, :, 0],
-        residual_rms=residual_rms,
-        spread_rms=spread_rms,
-        offset_cofactors=cofactors,
-        planes=planes,
-    )
+    fits = PlateFits.room_for(patches.image_from_plate, patches.px_per_u)
+    shares, levels = np.empty(fits.amplitudes.shape[:2]), patches.levels(np.full(len(seen), blur_px))
+    fitted = (fits.amplitudes, fits.slopes, fits.planes, fits.residual_rms, fits.spread_rms, fits.offset_cofactors)
+    known = (HIDDEN_RIDGE, PAPER_RIDGE, PATCH_REACH_U, READ_SHARE)
+    fit_seen(patches.samples, seen, levels, shelf_with(patches.grid, levels).parts, known, (*fitted, shares))
     return VisibleFits(fits, shares)

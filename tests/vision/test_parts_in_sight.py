@@ -59,6 +59,16 @@ def test_a_board_is_found_from_its_side_and_as_deep_as_it_is(codes: np.ndarray) 
     assert seen_red.min() > 0.5 * np.median(seen_red)
 
 
+def test_a_side_that_must_be_covered_is_the_one_that_is(codes: np.ndarray) -> None:
+    shot = shot_behind_boards(codes, QUARTER_U, BROWN_RGB, 3)
+    homographies = true_homographies(shot)
+    red = third_red(fit_patches(patches_of(shot), np.full(len(homographies), BLUR_PX)).amplitudes)
+    side = covered_sides(shot.bgr, red, homographies).depths_u.max(axis=2).argmax(axis=1)
+    asked = [covered_sides(shot.bgr, red, homographies, must=(side + turn) % 4).covered() for turn in range(4)]
+    np.testing.assert_array_equal(asked[0], np.arange(len(homographies)))
+    assert not any(len(plates) for plates in asked[1:])
+
+
 def test_samples_in_sight_are_those_beyond_the_board(codes: np.ndarray) -> None:
     shot = shot_behind_boards(codes, QUARTER_U, WHITE_RGB, 8)
     homographies = true_homographies(shot)

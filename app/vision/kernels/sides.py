@@ -11,21 +11,19 @@ import numpy.typing as npt
 from app.compiled import compiled
 from app.targets.layout import PLATE_SIDE_U
 from app.vision.kernels.homographies import image_of
-from app.vision.kernels.ordering import sort_few
+from app.vision.kernels.light import CHANNELS, PHOTO, Light, Photo, Pixels, corner_at, is_inside, light_at
 
 Array = npt.NDArray[np.float64]
-Light = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.int64]
-Pixels = npt.NDArray[np.uint8]
 
-SIDES, CHANNELS = 4, 3
+SIDES = 4
 ANY_SIDE = -1
 HALF_PLATE_U = 0.5 * PLATE_SIDE_U
 QUARTER = 4  # the darkest quarter of the gaps is black, also where eight of 21 are covered
 
-# A photograph, linear light of its grey values, a plate in it, the plate's black, and how far a colour may be off that.
-VIEW = "Tuple((uint8[:, :, ::1], float32[::1], float64[:, ::1], float64[::1], float64))"
-View = tuple[Pixels, Light, Array, Array, float]
+# A photograph, a plate in it, the plate's black, and how far a colour may be off that.
+VIEW = f"Tuple(({PHOTO}, float64[:, ::1], float64[::1], float64))"
+View = tuple[Photo, Array, Array, float]
 LINES = "Tuple((float64[::1], float64[::1]))"  # where they are, and the steps inwards, u
 Lines = tuple[Array, Array]
 
@@ -43,51 +41,44 @@ def from_side(side: int, across_u: float, inwards_u: float) -> tuple[float, floa
     return down, -across_u
 
 
-@compiled("boolean(uint8[:, :, ::1], UniTuple(float64, 2))")
-def _is_inside(bgr: Pixels, at_px: tuple[float, float]) -> bool:
-    """Whether a place lies between a photograph's outermost pixels."""
-    height, width, _ = bgr.shape
-    return bool(0.0 <= at_px[0] <= width - 1.0 and 0.0 <= at_px[1] <= height - 1.0)
+@compiled("void(float64, int64, float64[::1])")
+def _keep_least(value: float, count: int, least: Array) -> None:
+    """Put a value in its place among the least of ``count`` before it."""
+    slot = min(count, len(least) - 1)
+    if count >= len(least) and value >= least[slot]:
+        return
+    while slot > 0 and least[slot - 1] > value:
+        least[slot] = least[slot - 1]
+        slot -= 1
+    least[slot] = value
 
 
-@compiled("float64(uint8[:, :, ::1], float32[::1], UniTuple(float64, 2), int64)")
-def _light_at(bgr: Pixels, light: Light, at_px: tuple[float, float], channel: int) -> float:
-    """Linear light of a channel between a photograph's pixels, bilinear in grey values."""
-    height, width, _ = bgr.shape
-    left, top = int(at_px[0]), int(at_px[1])
-    right, bottom = min(left + 1, width - 1), min(top + 1, height - 1)
-    along, down = at_px[0] - left, at_px[1] - top
-    above = bgr[top, left, channel] * (1.0 - along) + bgr[top, right, channel] * along
-    below = bgr[bottom, left, channel] * (1.0 - along) + bgr[bottom, right, channel] * along
-    return light[int(above * (1.0 - down) + below * down + 0.5)]
-
-
-@compiled("void(uint8[:, :, ::1], float32[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1])")
-def _find_black(bgr: Pixels, light: Light, image_from_plate: Array, gaps_u: Array, room: Array, black: Array) -> None:
+@compiled(f"void({PHOTO}, float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1])")
+def _find_black(photo: Photo, image_from_plate: Array, gaps_u: Array, least: Array, black: Array) -> None:
     """The plate's black, written: of each colour the darkest quarter of the gaps between the dots."""
     seen = 0
     for gap in range(len(gaps_u)):
-        at_px = image_of(image_from_plate, gaps_u[gap, 0], gaps_u[gap, 1])
-        if _is_inside(bgr, at_px):
+        x, y = image_of(image_from_plate, gaps_u[gap, 0], gaps_u[gap, 1])
+        if is_inside(photo, x, y):
+            corner = corner_at(photo, x, y)
             for channel in range(CHANNELS):
-                room[channel, seen] = _light_at(bgr, light, at_px, channel)
+                _keep_least(light_at(photo, corner, channel), seen, least[channel])
             seen += 1
     for channel in range(CHANNELS):
-        sort_few(room[channel, :seen])
-        black[channel] = room[channel, seen // QUARTER] if seen else 0.0
+        black[channel] = least[channel, seen // QUARTER] if seen else 0.0
 
 
 @compiled(f"boolean({VIEW}, int64, float64, float64)")
 def _is_foreign(view: View, side: int, line_u: float, deep_u: float) -> bool:
     """Whether a plate point is another colour than black, or outside the photograph."""
-    bgr, light, image_from_plate, black, limit = view
+    photo, image_from_plate, black, limit = view
     x_u, y_u = from_side(side, line_u, deep_u)
-    at_px = image_of(image_from_plate, x_u, y_u)
-    if not _is_inside(bgr, at_px):
+    x, y = image_of(image_from_plate, x_u, y_u)
+    if not is_inside(photo, x, y):
         return True
-    off = 0.0
+    corner, off = corner_at(photo, x, y), 0.0
     for channel in range(CHANNELS):
-        off = max(off, abs(_light_at(bgr, light, at_px, channel) - black[channel]))
+        off = max(off, abs(light_at(photo, corner, channel) - black[channel]))
     return off > limit
 
 
@@ -127,25 +118,30 @@ def _walk_sides(view: View, lines: Lines, lines_min: int, must: int, leading: In
     return covered
 
 
-@compiled("boolean(float64[::1], int64, float64, float64)")
-def _is_clear(clear_u: Array, side: int, line_u: float, deep_u: float) -> bool:
-    """Whether a point lies behind whatever covers the sides, so far in on the whole."""
-    if deep_u <= clear_u[side] or PLATE_SIDE_U - deep_u <= clear_u[(side + 2) % SIDES]:
-        return False
-    return bool(
-        HALF_PLATE_U + line_u > clear_u[(side + 3) % SIDES] and HALF_PLATE_U - line_u > clear_u[(side + 1) % SIDES]
-    )
+@compiled("boolean(float64[::1], int64, float64)")
+def _is_step_clear(clear_u: Array, side: int, deep_u: float) -> bool:
+    """Whether what lies so far in from a side lies behind whatever covers it and the opposite one."""
+    return bool(deep_u > clear_u[side] and PLATE_SIDE_U - deep_u > clear_u[(side + 2) % SIDES])
+
+
+@compiled("boolean(float64[::1], int64, float64)")
+def _is_line_clear(clear_u: Array, side: int, line_u: float) -> bool:
+    """Whether a line from a side lies behind whatever covers the two beside it."""
+    first, last = clear_u[(side + 3) % SIDES], clear_u[(side + 1) % SIDES]
+    return bool(HALF_PLATE_U + line_u > first and HALF_PLATE_U - line_u > last)
 
 
 @compiled(f"int64(float64[::1], {LINES})")
 def _count_clear(clear_u: Array, lines: Lines) -> int:
     """How many points of the lines lie behind whatever covers the sides."""
-    lines_u, inwards_u = lines
     count = 0
     for side in range(SIDES):
-        for line_u in lines_u:
-            for deep_u in inwards_u:
-                count += _is_clear(clear_u, side, line_u, deep_u)
+        on_lines, inwards = 0, 0
+        for line_u in lines[0]:
+            on_lines += _is_line_clear(clear_u, side, line_u)
+        for deep_u in lines[1]:
+            inwards += _is_step_clear(clear_u, side, deep_u)
+        count += on_lines * inwards
     return count
 
 
@@ -157,8 +153,10 @@ def _is_black_behind(view: View, lines: Lines, clear_u: Array, share_min: float)
     dark = count
     for side in range(SIDES):
         for line_u in lines_u:
+            if not _is_line_clear(clear_u, side, line_u):
+                continue
             for deep_u in inwards_u:
-                if _is_clear(clear_u, side, line_u, deep_u) and _is_foreign(view, side, line_u, deep_u):
+                if _is_step_clear(clear_u, side, deep_u) and _is_foreign(view, side, line_u, deep_u):
                     dark -= 1
                     if not dark / count > share_min:
                         return False
@@ -207,13 +205,14 @@ def walk_lines(
         0 of plates that nothing covers, and of those that do not look like plates beside it.
     """
     light, gaps_u, lines_u, inwards_u = tables
-    black, room = np.empty(CHANNELS), np.empty((CHANNELS, len(gaps_u)))
+    black, least = np.empty(CHANNELS), np.empty((CHANNELS, len(gaps_u) // QUARTER + 1))
+    photo = (bgr.reshape(-1), bgr.shape[0], bgr.shape[1], light)
     leading, clear_u = np.empty((SIDES, len(lines_u)), dtype=np.int64), np.empty(SIDES)
     lines, (lines_min, area_min, black_share_min, margin_u) = (lines_u, inwards_u), bounds
     depths_u[:] = 0.0
     for plate in range(len(image_from_plate)):
-        _find_black(bgr, light, image_from_plate[plate], gaps_u, room, black)
-        view = (bgr, light, image_from_plate[plate], black, limits[plate])
+        _find_black(photo, image_from_plate[plate], gaps_u, least, black)
+        view = (photo, image_from_plate[plate], black, limits[plate])
         if not _walk_sides(view, lines, lines_min, must[plate], leading):
             continue
         enough = _is_enough_left(leading, inwards_u, area_min, clear_u)

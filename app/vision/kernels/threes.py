@@ -26,17 +26,27 @@ def singular_values(xx: float, xy: float, yx: float, yy: float) -> tuple[float, 
     return np.sqrt(half_sum + part), np.sqrt(max(half_sum - part, 0.0))
 
 
-@compiled("boolean(float64[:, ::1], int64[::1], UniTuple(float64, 2), UniTuple(float64, 2))")
-def _look_like(semi_axes_px: Array, three: Indices, axes_px: tuple[float, float], bounds: tuple[float, float]) -> bool:
-    """Whether three blobs are as long and as wide as the dots of such a plate."""
+@compiled("UniTuple(float64, 2)(float64[:, ::1], UniTuple(int64, 3))")
+def _mean_axes(semi_axes_px: Array, three: tuple[int, int, int]) -> tuple[float, float]:
+    """Semi-axes of three blobs, on the average."""
+    a, b, c = semi_axes_px[three[0]], semi_axes_px[three[1]], semi_axes_px[three[2]]
+    return (a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0
+
+
+@compiled("boolean(UniTuple(float64, 2), UniTuple(float64, 2), UniTuple(float64, 2))")
+def _look_like(mean_px: tuple[float, float], axes_px: tuple[float, float], bounds: tuple[float, float]) -> bool:
+    """Whether blobs are as long and as wide as the dots of such a plate."""
     off_max, off_px = bounds
-    for axis in range(2):
-        mean = 0.0
-        for blob in three:
-            mean += semi_axes_px[blob, axis] / len(three)
-        if not abs(mean - axes_px[axis]) < off_max * axes_px[axis] + off_px:
-            return False
-    return True
+    long_off_px, wide_off_px = abs(mean_px[0] - axes_px[0]), abs(mean_px[1] - axes_px[1])
+    return bool(long_off_px < off_max * axes_px[0] + off_px and wide_off_px < off_max * axes_px[1] + off_px)
+
+
+@compiled("UniTuple(float64, 2)(UniTuple(float64, 2), UniTuple(float64, 2))")
+def _areas_like(mean_px: tuple[float, float], bounds: tuple[float, float]) -> tuple[float, float]:
+    """Least and greatest product of two semi-axes that such blobs look like: tells most threes without a root."""
+    off_max, off_px = bounds
+    least = max(mean_px[0] - off_px, 0.0) * max(mean_px[1] - off_px, 0.0) / (1.0 + off_max) ** 2
+    return least, (mean_px[0] + off_px) * (mean_px[1] + off_px) / (1.0 - off_max) ** 2
 
 
 @compiled("int64[:, ::1](float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[:, :, ::1], UniTuple(float64, 2))")
@@ -56,7 +66,7 @@ def find_threes(
         How far a blob's semi-axes may be off, as part of what they should be and in px besides.
     """
     found, count = np.empty((FIRST_ROOM, 4), dtype=np.int64), 0
-    three = np.empty(3, dtype=np.int64)
+    per_area = np.abs(by_side[:, 0, 0] * by_side[:, 1, 1] - by_side[:, 0, 1] * by_side[:, 1, 0])
     for blob in range(len(nearest)):
         for first in nearest[blob]:
             for second in nearest[blob]:
@@ -64,10 +74,14 @@ def find_threes(
                     continue
                 px, py = centres_px[first, 0] - centres_px[blob, 0], centres_px[first, 1] - centres_px[blob, 1]
                 qx, qy = centres_px[second, 0] - centres_px[blob, 0], centres_px[second, 1] - centres_px[blob, 1]
-                if px * qy - py * qx <= 0.0:
+                turn = px * qy - py * qx
+                if turn <= 0.0:
                     continue  # the other order is clockwise
-                three[0], three[1], three[2] = blob, first, second
+                mean_px = _mean_axes(semi_axes_px, (blob, first, second))
+                least, most = _areas_like(mean_px, bounds)
                 for side in range(len(by_side)):
+                    if not least <= turn * per_area[side] <= most:
+                        continue
                     inverse = by_side[side]
                     axes_px = singular_values(
                         px * inverse[0, 0] + qx * inverse[1, 0],
@@ -75,7 +89,7 @@ def find_threes(
                         py * inverse[0, 0] + qy * inverse[1, 0],
                         py * inverse[0, 1] + qy * inverse[1, 1],
                     )
-                    if not _look_like(semi_axes_px, three, axes_px, bounds):
+                    if not _look_like(mean_px, axes_px, bounds):
                         continue
                     if count == len(found):
                         found = np.concatenate((found, np.empty(found.shape, dtype=np.int64)))

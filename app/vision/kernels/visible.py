@@ -29,21 +29,24 @@ Indices = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 
 
-@compiled(f"int64({TEMPLATE}, int64, UniTuple(int64, 2), int64[::1], float64[::1])")
-def _row_of_design(template: Template, level: int, place: tuple[int, int], columns: Indices, values: Array) -> int:
-    """The coefficients that a sample, at a row and a column, has a part in, written in order; how many they are."""
-    weights, windows, planes = template[0][level], template[1][level], template[2][level]
-    row_length, wide = int(np.sqrt(planes.shape[1])), windows[0, 2]
-    length, count = whole_steps(windows[0, 1] * wide), 0
+@compiled("int64(float32[::1], int64[:, ::1], UniTuple(int64, 2), int64[::1], float64[::1])")
+def _dots_of_row(weights: Array32, windows: Indices, place: tuple[int, int], columns: Indices, values: Array) -> int:
+    """The dots' coefficients that a sample, at a row and a column, has a part in, written in order; how many."""
+    high, wide = windows[0, 2], windows[0, 3]
+    length, count = whole_steps(high * wide), 0
     for dot in range(DOT_COUNT):
-        top, left = divmod(windows[dot, 0], row_length)
-        down, along = place[0] - top, place[1] - left
-        if 0 <= down < windows[dot, 1] and 0 <= along < wide:
+        down, along = place[0] - windows[dot, 0], place[1] - windows[dot, 1]
+        if 0 <= down < high and 0 <= along < wide:
             at = PER_DOT * length * dot + down * wide + along
             for part in range(PER_DOT):
                 columns[count], values[count] = PER_DOT * dot + part, weights[at + part * length]
                 count += 1
-    sample = place[0] * row_length + place[1]
+    return count
+
+
+@compiled("int64(float32[:, ::1], int64, int64, int64[::1], float64[::1])")
+def _planes_of_row(planes: Array32, sample: int, count: int, columns: Indices, values: Array) -> int:
+    """The same of the background and the paper, behind so many others; how many in all."""
     for plane in range(COEFFICIENTS - BACKGROUND):
         if planes[plane, sample] != 0.0:
             columns[count], values[count] = BACKGROUND + plane, planes[plane, sample]
@@ -51,22 +54,33 @@ def _row_of_design(template: Template, level: int, place: tuple[int, int], colum
     return count
 
 
+@compiled("void(int64[::1], float64[::1], float64[:, ::1])")
+def _take_out(columns: Indices, values: Array, normals: Array) -> None:
+    """The products of a sample's part in the coefficients, from the lower triangle of the normal matrix."""
+    for first in range(len(columns)):
+        line, value = normals[columns[first]], values[first]
+        for second in range(first + 1):
+            line[columns[second]] -= value * values[second]
+
+
 @compiled(f"void({TEMPLATE}, int64, boolean[::1], float64[:, ::1], float64[::1])")
 def _leave_out(template: Template, level: int, seen: Mask, normals: Array, discs: Array) -> None:
     """Take the samples out of sight from the lower triangle of the normal matrix, and from the sums of the discs."""
-    row_length = int(np.sqrt(len(seen)))
+    weights, planes, side = template[0][level], template[2][level], int(np.sqrt(len(seen)))
     columns, values = np.empty(COEFFICIENTS, dtype=np.int64), np.empty(COEFFICIENTS)
-    for sample in range(len(seen)):
-        if seen[sample]:
-            continue
-        count = _row_of_design(template, level, divmod(sample, row_length), columns, values)
-        for first in range(count):
-            column, value = columns[first], values[first]
-            if column < BACKGROUND and column % PER_DOT == 0:
-                discs[column // PER_DOT] -= value
-            line = normals[column]
-            for second in range(first + 1):
-                line[columns[second]] -= value * values[second]
+    windows = np.empty((DOT_COUNT, 4), dtype=np.int64)  # first row and column, rows, columns
+    for dot in range(DOT_COUNT):
+        first, windows[dot, 2], windows[dot, 3] = template[1][level, dot]
+        windows[dot, 0], windows[dot, 1] = divmod(first, side)
+    for row in range(side):
+        for column in range(side):
+            if seen[row * side + column]:
+                continue
+            count = _dots_of_row(weights, windows, (row, column), columns, values)
+            for disc in range(0, count, PER_DOT):
+                discs[columns[disc] // PER_DOT] -= values[disc]
+            count = _planes_of_row(planes, row * side + column, count, columns, values)
+            _take_out(columns[:count], values[:count], normals)
 
 
 @compiled(f"void({TEMPLATE}, int64, float64[::1])")
@@ -108,7 +122,7 @@ def _dot_cofactors(inverse: Array, cofactors: Array) -> None:
 
 
 @compiled(
-    f"void(float32[:, :, ::1], boolean[:, ::1], int64[::1], {TEMPLATE}, UniTuple(float64, 3), "
+    f"void(float32[:, :, ::1], boolean[:, ::1], int64[::1], {TEMPLATE}, UniTuple(float64, 4), "
     "Tuple((float64[:, :, ::1], float64[:, :, :, ::1], float64[:, :, ::1], float64[::1], float64[::1], "
     "float64[:, :, :, ::1], float64[:, ::1])))"
 )
@@ -117,7 +131,7 @@ def fit_seen(
     seen: Mask,
     levels: Indices,
     template: Template,
-    known: tuple[float, float, float],
+    known: tuple[float, float, float, float],
     fits: tuple[Array, ...],
 ) -> None:
     """Fit P plates.
@@ -133,7 +147,7 @@ def fit_seen(
         The fields of ``TemplateShelf``, in their order.
     known : tuple of float
         The ridge on all coefficients but the paper's; that on the paper's, per sample in sight; how far a patch
-        reaches, u.
+        reaches, u; of how much of a dot that is in sight its colour is told, 0 else.
     fits : tuple of ndarray, written
         Of ``PlateFits`` amplitudes, slopes, planes, residual_rms, spread_rms, offset_cofactors; and, of shape (P, 16),
         the part of each dot that is in sight.
@@ -141,6 +155,7 @@ def fit_seen(
     amplitudes, slopes, planes, residual_rms, spread_rms, offset_cofactors, shares = fits
     right, solved = np.empty((CHANNELS, COEFFICIENTS)), np.empty((CHANNELS, COEFFICIENTS))
     normals, inverse = np.empty((COEFFICIENTS, COEFFICIENTS)), np.empty((COEFFICIENTS, COEFFICIENTS))
+    begins = np.empty(COEFFICIENTS, dtype=np.int64)
     kept, discs = np.empty(samples.shape[1:], dtype=np.float32), np.empty(DOT_COUNT)
     parts = np.zeros((CHANNELS, whole_steps(samples.shape[2])), dtype=np.float32)
     for plate in range(len(samples)):
@@ -156,9 +171,12 @@ def fit_seen(
         ridges = (known[0], known[1] * count)
         for place in range(COEFFICIENTS):
             normals[place, place] += ridges[1] if place >= PAPER else ridges[0]
-        factorise(normals)
-        invert_lower(normals, inverse)
+        factorise(normals, begins)
+        invert_lower(normals, begins, inverse)
         solve_by_inverse(inverse, right, solved)
         residual_rms[plate], spread_rms[plate] = unexplained_in_sight(kept, right, solved, ridges, count)
         sort_coefficients(solved, known[2], amplitudes[plate], slopes[plate], planes[plate])
         _dot_cofactors(inverse, offset_cofactors[plate])
+        for dot in range(DOT_COUNT):
+            if shares[plate, dot] < known[3]:
+                amplitudes[plate, dot], slopes[plate, dot] = 0.0, 0.0
