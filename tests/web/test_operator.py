@@ -60,7 +60,8 @@ def test_health_jobs_and_storage_of_a_running_service(page: Page, web_room: Room
     page.goto("/#/operator")
     expect(page.get_by_role("heading", name="This server is")).to_contain_text("ready")
     page.get_by_role("link", name="Storage").click()
-    row = page.get_by_role("row").filter(has_text=web_room.site_id)
+    row = page.get_by_role("row").filter(has=page.locator(f'a[href="#/sites/{web_room.site_id}"]'))
+    expect(row).to_contain_text("Demonstration room")
     expect(row).to_contain_text("16")
     survey_id = web_served.new_survey(web_served.new_site(name="Empty"))
     for shade in (90, 110):

@@ -1,6 +1,6 @@
 // The frame around every page: where one is, who one is, what went wrong.
 import { html, useEffect, useRef, useState } from "./core/html.js";
-import { KEY_NEEDED } from "./core/api.js";
+import { KEY_NEEDED, Unreachable } from "./core/api.js";
 import { match } from "./core/router.js";
 import { leave, may, whoAmI } from "./core/session.js";
 import { routes, siteTabs } from "./routes.js";
@@ -77,10 +77,10 @@ function Page({ found, who }) {
     if (!found) return;
     document.title = `${found.route.title} – Scattermark`;
     setError(null);
-    found.route.load().then((module) => setLoaded({ route: found.route, view: module.default }), setError);
+    found.route.load().then((module) => setLoaded({ route: found.route, view: module.default }), (cause) => setError(cause instanceof TypeError ? new Unreachable(cause) : cause)); // a module that does not come is a TypeError
   }, [found?.route]);
   if (!found) return html`<h1>Not found</h1><${Empty}>There is no such page. <a href="#/">All sites</a></${Empty}>`;
-  if (error) return html`<${Failure} error=${error} />`;
+  if (error) return html`<${Failure} error=${error} retry=${() => location.reload()} />`; // browsers may remember a module that failed
   if (loaded?.route !== found.route) return html`<p><${Busy} /> loading</p>`;
   return html`${found.params.site && html`<${SiteTabs} site=${found.params.site} tab=${found.route.tab} who=${who} />`}
     <${loaded.view} key=${JSON.stringify(found.params)} ...${found.params} query=${found.query} who=${who} />`;

@@ -1,28 +1,34 @@
 // What pages share: data that is loaded, kept fresh and may fail.
-import { KEY_SHOWN } from "./api.js";
+import { KEY_SHOWN, laterOf } from "./api.js";
 import { useCallback, useEffect, useRef, useState } from "./html.js";
 
 /**
- * Load something when the page shows and whenever `keys` change.
+ * Load something when the page shows and whenever `keys` change. A full server is asked again when it says so, and after another
+ * key was shown what had been refused for the want of one.
  * @param {(signal: AbortSignal) => Promise<any>} load
  * @param {unknown[]} keys
- * @returns {{data: any, error: Error | null, loading: boolean, reload: () => void}}
+ * @returns {{data: any, error: Error | null, loading: boolean, later: boolean, reload: () => void}} `later`: the server was full
  */
 export function useLoaded(load, keys) {
-  const [state, setState] = useState({ data: null, error: null, loading: true });
+  const [state, setState] = useState({ data: null, error: null, loading: true, later: false });
   const [turn, setTurn] = useState(0);
+  const reload = useCallback(() => setTurn((before) => before + 1), []);
   useEffect(() => {
     const controller = new AbortController();
+    let timer = 0;
     // What was asked for before may come after what is asked for now: it says nothing any more.
     const unlessOld = (change) => controller.signal.aborted || setState(change);
     setState((before) => ({ ...before, loading: true }));
     load(controller.signal).then(
-      (data) => unlessOld({ data, error: null, loading: false }),
-      (error) => unlessOld((before) => ({ ...before, error, loading: false })),
+      (data) => unlessOld({ data, error: null, loading: false, later: false }),
+      (error) => {
+        const pause_s = laterOf(error);
+        if (pause_s && !controller.signal.aborted) timer = setTimeout(reload, 1000 * pause_s);
+        unlessOld((before) => (pause_s ? { ...before, later: true } : { ...before, error, loading: false, later: false }));
+      },
     );
-    return () => controller.abort();
+    return () => { controller.abort(); clearTimeout(timer); };
   }, [...keys, turn]);
-  const reload = useCallback(() => setTurn((before) => before + 1), []);
   useEffect(() => {
     if (state.error?.status !== 401) return undefined;
     addEventListener(KEY_SHOWN, reload);

@@ -48,8 +48,10 @@ function continued(path, last) {
 }
 
 /** Whether the service streams now; the answer itself is not read. */
-async function streams(path, signal) {
-  const once = new AbortController();
-  await call(path, { signal: AbortSignal.any([signal, once.signal]) });
-  once.abort();
+async function streams(path, over) {
+  const asked = new AbortController();
+  const end = () => asked.abort();
+  over.addEventListener("abort", end, { once: true });
+  await call(path, { signal: asked.signal });
+  end();
 }

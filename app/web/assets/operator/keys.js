@@ -56,7 +56,7 @@ function NewKey({ sites, onMade, onClose }) {
     setSecret(made.secret);
     onMade();
   });
-  if (secret) return html`<${Dialog} title="The new key" onClose=${onClose}><${Notice} kind="good"><p>Copy it now: it is not shown again.</p></${Notice}><p><code data-testid="secret">${secret}</code></p><${Button} onClick=${() => navigator.clipboard.writeText(secret)}>Copy</${Button}></${Dialog}>`;
+  if (secret) return html`<${Made} secret=${secret} onClose=${onClose} />`;
   return html`<${Dialog} title="New key" onClose=${onClose}><form class="stack" onSubmit=${(event) => { event.preventDefault(); making.run(); }}>
     <${Failure} error=${making.error} />
     <${Field} label="Name" hint="Who or what uses it; it stands in the log."><input required maxlength="200" value=${form.name} onInput=${change("name")} /></${Field}>
@@ -64,6 +64,15 @@ function NewKey({ sites, onMade, onClose }) {
     <${Field} label="Site"><select value=${form.site} onChange=${change("site")}><option value="">all sites</option>${sites.map((site) => html`<option value=${site.site_id}>${site.name}</option>`)}</select></${Field}>
     <${Field} label="Days that it lasts" hint="Empty: until it is revoked."><input type="number" min="1" max="3650" value=${form.days} onInput=${change("days")} /></${Field}>
     <div><${Button} type="submit" kind="primary" busy=${making.busy} disabled=${!form.scopes.length}>Make the key</${Button}></div></form></${Dialog}>`;
+}
+
+/** The secret, once. Browsers lend their clipboard to secure pages only: elsewhere it is copied by hand. */
+function Made({ secret, onClose }) {
+  const copying = useAction(async () => { await navigator.clipboard.writeText(secret); return true; });
+  const [copied, setCopied] = useState(false);
+  return html`<${Dialog} title="The new key" onClose=${onClose}><${Notice} kind="good"><p>Copy it now: it is not shown again.</p></${Notice}><p><code data-testid="secret">${secret}</code></p>
+    <${Failure} error=${copying.error} />
+    <div class="row">${navigator.clipboard && html`<${Button} onClick=${async () => setCopied(Boolean(await copying.run()))}>Copy</${Button}>`}<span class="small muted" role="status">${copied ? "Copied." : ""}</span></div></${Dialog}>`;
 }
 
 const inDays = (days) => new Date(Date.now() + Number(days) * 86_400_000).toISOString();

@@ -1,5 +1,5 @@
 // What the survey lacks, beside its photographs; asked again while photographs are looked at.
-import { get } from "../core/api.js";
+import { get, laterOf } from "../core/api.js";
 import { degrees, plural } from "../core/format.js";
 import { html, useEffect, useState } from "../core/html.js";
 import { Badge, Busy, Failure } from "../ui/parts.js";
@@ -28,8 +28,9 @@ function useGuidance(surveyId, version, onFound) {
         if (guidance.pending) timer = setTimeout(ask, AGAIN_AFTER_MS);
       } catch (error) {
         if (error.name === "AbortError") return;
-        setState((before) => ({ ...before, error }));
-        timer = setTimeout(ask, 2 * AGAIN_AFTER_MS);
+        const later_s = laterOf(error);
+        if (!later_s) setState((before) => ({ ...before, error }));
+        timer = setTimeout(ask, later_s ? 1000 * later_s : 2 * AGAIN_AFTER_MS);
       }
     };
     ask();

@@ -17,7 +17,7 @@ export const Failure = ({ error, retry }) =>
 
 /** Children once the data is there; before that a sign of work, or what went wrong. */
 export const Loaded = ({ of, children }) =>
-  of.data === null ? (of.error ? html`<${Failure} error=${of.error} retry=${of.reload} />` : html`<p><${Busy} /> loading</p>`)
+  of.data === null ? (of.error ? html`<${Failure} error=${of.error} retry=${of.reload} />` : html`<p><${Busy} /> ${of.later ? "The server has much to do just now; it is asked again in a moment." : "loading"}</p>`)
     : html`<${Failure} error=${of.error} retry=${of.reload} />${children(of.data)}`;
 
 /** A labelled input: give it the input as its child. */
