@@ -47,7 +47,7 @@ Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.uint8]
 
 # Changes whenever the same photograph could give other numbers: stored detections are kept by it.
-DETECTOR_VERSION = "plate-8"
+DETECTOR_VERSION = "plate-9"
 
 
 @dataclass(frozen=True)

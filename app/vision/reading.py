@@ -12,8 +12,9 @@ from app.geometry.observations import Rejected, TargetObservation
 from app.geometry.plate_sigmas import PlateSigmas
 from app.targets.digits import Codes, Digits, digits_of_codes
 from app.targets.family import UNDECODABLE, CodeFamily
-from app.targets.layout import BASE_CELLS, CELLS_PER_SIDE, DIGIT_CELLS, DOT_COUNT
+from app.targets.layout import BASE_CELLS, DIGIT_CELLS, DOT_COUNT
 from app.vision.centres import DotCentres
+from app.vision.evidence import DIGITS_IN_MIRROR, SeenWord
 from app.vision.inks import InkReading
 from app.vision.judgement import COLOUR_REASONS, REASON_TEXT, Judgement
 from app.vision.kernels.inkwell import HIDDEN_DIGIT
@@ -21,19 +22,6 @@ from app.vision.measurement import PlateFits
 
 Strictness = Literal["strict", "normal", "eager"]
 DIGITS = list(DIGIT_CELLS)
-
-
-def digits_in_mirror() -> npt.NDArray[np.intp]:
-    """The digit that each digit is taken for in a mirror, shape (11,).
-
-    The base dots lie alike on both sides of their diagonal: a plate in a mirror looks like one with its rows and
-    columns exchanged, and only its word tells.
-    """
-    exchanged = np.arange(DOT_COUNT).reshape(CELLS_PER_SIDE, CELLS_PER_SIDE).T.ravel()
-    return np.array([DIGITS.index(exchanged[cell]) for cell in DIGITS], dtype=np.intp)
-
-
-DIGITS_IN_MIRROR = digits_in_mirror()
 
 
 @dataclass(frozen=True)
@@ -47,6 +35,9 @@ class ReadingOptions:
     sure_min : float
         Where hidden digits leave the family nothing to check, each digit that was read must be this sure: one misread
         then gives another code. Digits of blurred plates that were misread had up to 0.7.
+    rival_margin : float
+        By how much more another word must be contradicted than a mended one: of 171 plates that were mended rightly two
+        have another so near, of those in a mirror nearly all.
     report_explained_min : float
         Groups that fail on colour are reported only if the plate's model explains this much of them: half.
     plate_sigmas : PlateSigmas
@@ -55,6 +46,7 @@ class ReadingOptions:
 
     confidence_min: float = 0.35
     sure_min: float = 0.7
+    rival_margin: float = 0.3
     report_explained_min: float = 0.5
     plate_sigmas: PlateSigmas = PlateSigmas(shift=1.3, linear=1.2, dots=0.85)
 
@@ -112,23 +104,12 @@ class CodeBook:
             return "unreadable"
         return ""
 
-    def sees_mirror(self, digits: Digits, code: int, corrected: int) -> bool:
-        """Whether a word is rather that of a plate in a mirror: there it is a code as it stands, and here it is not.
-
-        Parameters
-        ----------
-        digits : ndarray of shape (11,)
-            As read, -1 where hidden.
-        code, corrected : int
-            What they were decoded to.
-        """
-        listed = self.known_codes is None or code in self.known_codes
-        if listed and not corrected:
+    def sees_mirror(self, digits: Digits, code: int) -> bool:
+        """Whether a word that the site does not hold is, in a mirror, one that it does; ``digits`` as read, (11,)."""
+        if self.known_codes is None or code in self.known_codes:
             return False
         mirrored = self.family.decode(digits[DIGITS_IN_MIRROR], 0)
-        if mirrored is None:
-            return False
-        return bool(corrected) or (self.known_codes is not None and mirrored.code in self.known_codes)
+        return mirrored is not None and mirrored.code in self.known_codes
 
 
 def read_plates(
@@ -159,8 +140,10 @@ def read_plates(
         # With two corners hidden a plate is less sure, and must say its code as it stands.
         if not reason and (unsure[plate] or (half_hidden[plate] and corrected)):
             reason = "unreadable"
-        if not reason and book.sees_mirror(digits[plate], code, corrected):
+        if not reason and book.sees_mirror(digits[plate], code):
             reason = "mirror-image"
+        if not reason and (corrected or erased):
+            reason = _word(plates, plate).rival(code, book.family, book.known_codes, options.rival_margin)
         if not reason and code in targets:
             reason = "duplicate-code"
         if not reason:
@@ -168,6 +151,12 @@ def read_plates(
         elif reason not in COLOUR_REASONS or reported[plate]:
             rejected.append(_rejected(plates, plate, reason, code if reason == "duplicate-code" else None))
     return tuple(targets.values()), tuple(rejected)
+
+
+def _word(plates: MeasuredPlates, plate: int) -> SeenWord:
+    """What a plate's digits look like, the doubtful ones, too."""
+    inside = plates.dots.inside[plate, DIGITS]
+    return SeenWord(np.where(inside, plates.inks.digits[plate], HIDDEN_DIGIT), plates.inks.confidence[plate])
 
 
 def _show_their_ink(codes: Codes, digits: npt.NDArray[np.int8]) -> npt.NDArray[np.bool_]:

@@ -121,7 +121,8 @@ def misprints(codes: np.ndarray) -> Shot:
 def test_strictness_says_how_much_may_be_mended(
     misprints: Shot, family: CodeFamily, strictness: Strictness, mended: int
 ) -> None:
-    detection = detect(misprints.bgr, family, DetectorOptions(strictness=strictness))
+    site = frozenset(target.code for target in misprints.truth)
+    detection = detect(misprints.bgr, family, DetectorOptions(strictness=strictness), site)
     expected = {target.code: index // 3 for index, target in enumerate(misprints.truth) if index // 3 <= mended}
     assert {target.code: target.corrected for target in detection.targets} == expected
     assert refused(detection) == ["code-not-in-family"] * (9 - len(expected))

@@ -31,8 +31,13 @@ def plates(plates_shot: Shot) -> MeasuredPlates:
     return MeasuredPlates(fits, dots, covariances_px2, inks, Judgement(("",) * 24, np.full(24, 0.1)))
 
 
-def read(plates: MeasuredPlates, family: CodeFamily, strictness: Strictness = "normal") -> Read:
-    targets, rejected = read_plates(plates, CodeBook(family, strictness, None))
+def read(
+    plates: MeasuredPlates,
+    family: CodeFamily,
+    strictness: Strictness = "normal",
+    known_codes: frozenset[int] | None = None,
+) -> Read:
+    targets, rejected = read_plates(plates, CodeBook(family, strictness, known_codes))
     return {target.code: target for target in targets}, rejected
 
 
@@ -107,12 +112,19 @@ def test_more_hidden_digits_than_the_family_fills_are_unreadable(plates: Measure
 def test_wrong_digits_are_mended_as_far_as_strictness_goes(
     plates: MeasuredPlates, plates_shot: Shot, family: CodeFamily, strictness: Strictness, wrong: int, reason: str
 ) -> None:
-    targets, rejected = read(misread(plates, wrong), family, strictness)
+    site = frozenset(target.code for target in plates_shot.truth)
+    targets, rejected = read(misread(plates, wrong), family, strictness, site)
     assert [refusal.reason for refusal in rejected] == [reason] * bool(reason)
     if not reason:
         target = targets[plates_shot.truth[PLATE].code]
         assert target.corrected == wrong
         assert not target.measured[DIGITS[-wrong:]].any()  # a dot that says another thing has another thing's centre
+
+
+def test_two_sure_digits_are_mended_by_a_list_alone(plates: MeasuredPlates, family: CodeFamily) -> None:
+    """Every word lies within two digits of a golay code, as its mirror image does: it may be either's."""
+    targets, (refusal,) = read(misread(plates, 2), family, "eager")
+    assert refusal.reason == "mirror-image" and len(targets) == 23
 
 
 def test_a_word_partly_hidden_and_partly_wrong_is_for_the_eager(plates: MeasuredPlates, family: CodeFamily) -> None:
