@@ -160,8 +160,8 @@ def _check_enough(
         raise SurveyFailed(strangers[0].reason, reason="unknown-camera", photos=[photo.name for photo in strangers])
     if len(usable) < FEWEST_PHOTOS:
         raise SurveyFailed(
-            f"A target map takes more than {len(usable)} photograph{'' if len(usable) == 1 else 's'} with targets: "
-            f"{OVERLAP_ADVICE}.",
+            f"A target map takes at least {FEWEST_PHOTOS} photographs with targets, and {len(usable) or 'none'} can be "
+            f"used: {OVERLAP_ADVICE}.",
             reason="too-few-photos",
             photos=[photo.name for photo in photos],
         )

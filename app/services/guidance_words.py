@@ -23,7 +23,10 @@ def advice_for(target: GuidedTarget, guidance: Guidance) -> str:
 def summary_of(guidance: Guidance) -> str:
     """How the survey stands, in one or two sentences."""
     good = len(guidance.targets) - len(guidance.lacking)
-    text = f"{good} of {len(guidance.targets)} targets have what they need, after {guidance.photographs} photographs."
+    taken = f"{guidance.photographs} photograph{'' if guidance.photographs == 1 else 's'}"
+    text = f"{good} of {len(guidance.targets)} targets have what they need, after {taken}."
+    if not guidance.targets:
+        text = f"No target was seen yet in {taken}." if guidance.photographs else "No photograph was looked at yet."
     if guidance.loose:
         text += f" {_listed(guidance.loose)} share too few targets with the others: photograph what lies between."
     return f"{text} {guidance.trouble}".strip()
