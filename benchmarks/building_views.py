@@ -23,6 +23,8 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 U_M = 0.014
+BREATH = 1  # seeds a photograph's focus apart from its noise
+WAVES = 2.0  # of the lens's error across the picture
 FIELD = 0.9  # greatest tangent off the axis: beyond it the lens's polynomial means nothing
 
 
@@ -65,6 +67,10 @@ class ViewOptions:
         A plate nearer to the frame's edge is not read.
     tablet_every : int
         Every so many photographs are taken with the second phone; 0: none.
+    breathes : float
+        Standard deviation of the focal length from photograph to photograph, a share of it.
+    wave_px : float
+        By how much the lens's image is off what its polynomial says: a wave twice across the picture.
     """
 
     sigma_px: float = 0.1
@@ -74,6 +80,8 @@ class ViewOptions:
     coloured: float = 2.0 / 3.0
     margin_px: float = 8.0
     tablet_every: int = 5
+    breathes: float = 0.0
+    wave_px: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -113,10 +121,24 @@ def photograph(
         walls = building.walls_m[wall_middles.query_ball_point(station.position_m[:2], reach_m + longest_m)]
         near = near[~_hidden(station.position_m[:2], plates.centres_m[near, :2], walls)]
         rng = np.random.default_rng((seed, number))
-        seen = tuple(_observed(plates, near, (station, phone.camera), options, rng))
+        camera = _breathing(phone.camera, options.breathes, np.random.default_rng((seed, number, BREATH)))
+        seen = tuple(_observed(plates, near, (station, camera), options, rng))
         detection = Detection(phone.camera.width_px, phone.camera.height_px, seen)
         photos.append(SurveyPhoto(f"photo{number:05d}.jpg", phone.identity, detection))
     return tuple(photos)
+
+
+def _breathing(camera: Camera, share: float, rng: np.random.Generator) -> Camera:
+    """A camera as it is focused for one photograph."""
+    intrinsics = camera.intrinsics.copy()
+    intrinsics[:2] *= 1.0 + share * rng.normal()
+    return camera.with_intrinsics(intrinsics)
+
+
+def _waved(dots_px: Array, camera: Camera, wave_px: float) -> Array:
+    """Where a lens that its polynomial does not describe images dots, shape (..., 2)."""
+    phase_rad = WAVES * 2.0 * np.pi * dots_px / np.array([camera.width_px, camera.height_px])
+    return np.asarray(dots_px + wave_px * np.sin(phase_rad[..., ::-1]))
 
 
 def _hidden(eye_m: Array, points_m: Array, walls_m: Array) -> Mask:
@@ -144,6 +166,7 @@ def _observed(
     large = camera.fx_px * U_M > options.least_px_per_u * depth_m.mean(axis=-1)
     shown = np.flatnonzero(ahead & large & (frontal > np.cos(options.most_incidence_rad)))
     dots_px = camera.project(cam_m[shown].reshape(-1, 3)).reshape(-1, DOT_COUNT, 2)
+    dots_px = _waved(dots_px, camera, options.wave_px)
     last_px = np.array([camera.width_px, camera.height_px]) - 1.0 - options.margin_px
     whole = ((dots_px > options.margin_px) & (dots_px < last_px)).all(axis=(1, 2))
     for target, true_px in zip(near[shown[whole]], dots_px[whole], strict=True):

@@ -65,6 +65,7 @@ class Sound:
     control: tuple[ControlPoint, ...]
     seed: int
     detectable_m: Mapping[int, float] = field(default_factory=dict)
+    views: ViewOptions = ViewOptions()
 
     def often_seen(self, count: int, rng: np.random.Generator) -> list[int]:
         """Some plates that enough photographs show and that carry no control point."""
@@ -77,7 +78,7 @@ class Sound:
 
     def again(self, building: Building, plates_m: dict[int, Array] | None = None) -> tuple[SurveyPhoto, ...]:
         """The same photographs, noise included, of a building or of plates that are not as designed."""
-        return photograph(building, ViewOptions(), self.seed, plates_m)
+        return photograph(building, self.views, self.seed, plates_m)
 
 
 Fault = Callable[[Sound, np.random.Generator], Faulty]
@@ -107,30 +108,38 @@ def moved(distance_m: float, count: int = 3) -> Fault:
     """Plates pushed along their wall when half of the photographs that show them were taken."""
 
     def spoil(sound: Sound, rng: np.random.Generator) -> Faulty:
-        return _pushed(sound, dict.fromkeys(sound.often_seen(count, rng), distance_m))
+        plates = sound.building.plates
+        return pushed(sound, {code: distance_m * plates[code].rotation[:, 0] for code in sound.often_seen(count, rng)})
 
     return spoil
 
 
 def moved_detectably(factor: float, count: int = 6) -> Fault:
-    """Published plates pushed by so many times their least detectable displacement, after half of their sightings."""
+    """Plates pushed anywhere by so many times their least detectable displacement, after half of their sightings."""
 
     def spoil(sound: Sound, rng: np.random.Generator) -> Faulty:
         codes = [code for code in sound.often_seen(2 * count, rng) if code in sound.detectable_m][:count]
-        return _pushed(sound, {code: factor * sound.detectable_m[code] for code in codes})
+        return pushed(sound, {code: factor * sound.detectable_m[code] * any_direction(rng) for code in codes})
 
     return spoil
 
 
-def _pushed(sound: Sound, distances_m: Mapping[int, float]) -> Faulty:
+def any_direction(rng: np.random.Generator) -> Array:
+    """A vector of length 1, shape (3,)."""
+    direction = rng.normal(size=3)
+    return np.asarray(direction / np.linalg.norm(direction))
+
+
+def pushed(sound: Sound, steps_m: Mapping[int, Array]) -> Faulty:
+    """Plates that moved by so much, shape (3,) each, when half of the photographs that show them were taken."""
     plates = dict(sound.building.plates)
-    for code, distance_m in distances_m.items():
-        plates[code] = Pose(plates[code].rotation, plates[code].position_m + distance_m * plates[code].rotation[:, 0])
+    for code, step_m in steps_m.items():
+        plates[code] = Pose(plates[code].rotation, plates[code].position_m + step_m)
     later = sound.again(replace(sound.building, plates=plates))
     new = {(photo.name, seen.code): seen for photo in later for seen in photo.detection.targets}
     showing = {
         code: [photo.name for photo in sound.photos if any(one.code == code for one in photo.detection.targets)]
-        for code in distances_m
+        for code in steps_m
     }
     after = {(name, code) for code, names in showing.items() for name in names[len(names) // 2 :]}
     photos = []
@@ -139,7 +148,7 @@ def _pushed(sound: Sound, distances_m: Mapping[int, float]) -> Faulty:
         pairs = zip(keys, photo.detection.targets, strict=True)
         targets = tuple(new.get(key, seen) if key in after else seen for key, seen in pairs)
         photos.append(replace(photo, detection=replace(photo.detection, targets=targets)))
-    return Faulty(tuple(photos), sound.control, targets=frozenset(distances_m), reason="moved")
+    return Faulty(tuple(photos), sound.control, targets=frozenset(steps_m), reason="moved")
 
 
 def wall_by_wall(sound: Sound, _rng: np.random.Generator) -> Faulty:
@@ -200,8 +209,7 @@ def mistyped_control(off_m: float) -> Fault:
     def spoil(sound: Sound, rng: np.random.Generator) -> Faulty:
         at = int(rng.choice([at for at, point in enumerate(sound.control) if point.role == "control"]))
         points = list(sound.control)
-        turn = rng.normal(size=3)
-        points[at] = replace(points[at], position_m=points[at].position_m + off_m * turn / np.linalg.norm(turn))
+        points[at] = replace(points[at], position_m=points[at].position_m + off_m * any_direction(rng))
         return Faulty(sound.photos, tuple(points), points=frozenset({points[at].name}))
 
     return spoil

@@ -12,6 +12,7 @@ from app.photogrammetry.bundle import Adjusted, BundleOptions, adjust_bundle
 from app.photogrammetry.bundle_normals import squared_residuals
 from app.photogrammetry.bundle_problem import BundleProblem
 from app.photogrammetry.cleaning_state import CleaningState, Findings, LeftOut, untouched
+from app.photogrammetry.detectable import least_detectable_m
 from app.photogrammetry.free_adjustment import Part, adjust_robustly, held_photo, part_problem, rows_among, standing
 from app.photogrammetry.grouped_prints import dissolved, with_batches, with_prints
 from app.photogrammetry.growth import Growth
@@ -21,6 +22,8 @@ from app.photogrammetry.robust import RobustLoss
 from app.photogrammetry.second_look import look_again
 from app.photogrammetry.second_places import moved_after_all, with_examined, without_split
 from app.photogrammetry.sightings import Sightings
+from app.photogrammetry.split_targets import FEWEST_OF_SPLIT, split_targets
+from app.photogrammetry.target_pulls import target_pulls
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.intp]
@@ -45,6 +48,8 @@ class CleanNetwork:
     adjusted : Adjusted
     findings : Findings
         What was left out.
+    detectable_m : ndarray of shape (T,)
+        Least displacement during the survey by which each of its targets would have been found.
     """
 
     growth: Growth
@@ -52,11 +57,29 @@ class CleanNetwork:
     problem: BundleProblem
     adjusted: Adjusted
     findings: Findings
+    detectable_m: Array
 
 
 def clean_network(growth: Growth, options: QualityOptions, on_step: Callable[[], None]) -> CleanNetwork:
     """Adjust a grown network and leave out what is false."""
-    state = untouched(growth)
+    state = _without_contradictions(untouched(growth), options, on_step)
+    state = moved_after_all(_readmitted(state, options), options)
+    for rounds_left in range(options.split.most_rounds, -1, -1):
+        state, part, problem, adjusted = _adjusted(state, on_step)
+        pulls = target_pulls(problem, adjusted.network, BundleOptions().loss, FEWEST_OF_SPLIT)
+        split = split_targets(pulls, problem.sightings, options.split) if rounds_left else ()
+        if not split:
+            break
+        state, _, _ = _settled(without_split(state, part, split))
+        state = _readmitted(state, options)
+    detectable_m = least_detectable_m(pulls, problem.sightings.target_count, options.split)
+    return CleanNetwork(state.growth, part, problem, adjusted, state.findings, detectable_m)
+
+
+def _without_contradictions(
+    state: CleaningState, options: QualityOptions, on_step: Callable[[], None]
+) -> CleaningState:
+    """The state without sightings, targets and photographs that the rest contradicts."""
     regroupings = 0
     for _ in range(options.most_rounds + options.most_regroupings):
         on_step()
@@ -73,13 +96,7 @@ def clean_network(growth: Growth, options: QualityOptions, on_step: Callable[[],
         if after.kept.sum() == state.kept.sum():
             break
         state = after
-    state = _without_moved(_readmitted(state, options), options)
-    part, problem, adjusted = _adjusted(state, on_step)
-    fewer = dissolved(problem, adjusted.network, state.growth.options.batches)
-    if fewer is not None:
-        state = replace(state, growth=with_prints(state.growth, part, *fewer))
-        part, problem, adjusted = _adjusted(state, on_step)
-    return CleanNetwork(state.growth, part, problem, adjusted, state.findings)
+    return state
 
 
 def _settled(state: CleaningState) -> tuple[CleaningState, Part, BundleProblem]:
@@ -92,19 +109,17 @@ def _settled(state: CleaningState) -> tuple[CleaningState, Part, BundleProblem]:
     return replace(state, growth=replace(growth, network=placed)), part, problem
 
 
-def _without_moved(state: CleaningState, options: QualityOptions) -> CleaningState:
-    """The state without targets that moved by little; what they had dragged along comes back."""
-    state = moved_after_all(state, options)
-    for _ in range(options.split.most_rounds):
-        fewer = without_split(state, options)
-        if fewer is state:
-            break
-        state, _, _ = _settled(fewer)
-        state = _readmitted(state, options)
-    return state
+def _adjusted(state: CleaningState, on_step: Callable[[], None]) -> tuple[CleaningState, Part, BundleProblem, Adjusted]:
+    """What stands with its final weights, without print batches that it does not bear out."""
+    part, problem, adjusted = _with_final_weights(state, on_step)
+    fewer = dissolved(problem, adjusted.network, state.growth.options.batches)
+    if fewer is not None:
+        state = replace(state, growth=with_prints(state.growth, part, *fewer))
+        part, problem, adjusted = _with_final_weights(state, on_step)
+    return state, part, problem, adjusted
 
 
-def _adjusted(state: CleaningState, on_step: Callable[[], None]) -> tuple[Part, BundleProblem, Adjusted]:
+def _with_final_weights(state: CleaningState, on_step: Callable[[], None]) -> tuple[Part, BundleProblem, Adjusted]:
     part, problem = held_part(state.growth)
     start = state.growth.network.among(part.photos, part.targets)
     return part, problem, adjust_bundle(problem, start, BundleOptions(), on_step)

@@ -5,48 +5,51 @@ Source: Baarda, A testing procedure for use in geodetic networks, 1968: what a t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
-from app.photogrammetry.bundle_problem import BundleProblem
-from app.photogrammetry.collinearity import linearise
-from app.photogrammetry.network import Network
+from app.photogrammetry.split_targets import SplitOptions
+from app.photogrammetry.target_pulls import TargetPulls
 
 Array = npt.NDArray[np.float64]
 
 POSITION = slice(0, 3)
-HALVES = 2.0  # the adjustment puts a target in the middle of its two places
 
 
-def least_detectable_m(problem: BundleProblem, network: Network, gross_sigmas: float, sigma0: float) -> Array:
+def least_detectable_m(pulls: Sequence[TargetPulls], target_count: int, options: SplitOptions) -> Array:
     """Least displacement that is found of each target, shape (T,), metres, in whatever direction shows it worst.
 
     Parameters
     ----------
-    problem : BundleProblem
-        With the weights that sightings are judged by; every target is seen.
-    network : Network
-        Adjusted.
-    gross_sigmas, sigma0 : float
-        Root mean square residual from which a sighting is false, in standard deviations, and these as a multiple of
-        the stated ones.
+    pulls : sequence of TargetPulls
+        Of all targets that have sightings enough to show two places; infinity is said of the others.
+    target_count : int
+        T.
+    options : SplitOptions
+        Of the test that is to find it.
 
     Notes
     -----
-    One half of the photographs is taken to show the target in its old place and the other half in its new one, d apart.
-    A sighting's mean square residual is then d' N d / 4 over its 2 n coordinates, with the information N of its dots on
-    the target's place. N and n are taken as the mean of the target's sightings, and d along N's weakest direction. The
-    photographs are taken to be held by their other targets: in a sparse network those that show little else may follow
-    the target instead.
+    One half of the sightings shows the target where it was, the other d farther. Then the test's squares are
+    non-central chi-square distributed by d' N d, N the information of that half on a step: little where its photographs
+    follow the target. The halves are taken in the order of the photographs and by turns, d along N's weakest
+    direction, and the weaker of both counts.
     """
-    sightings = problem.sightings
-    information = np.zeros((sightings.target_count, 3, 3))
-    for camera, chunk in problem.chunks():
-        part = sightings.select(chunk)
-        by_place = linearise(network, part, problem.camera_at(network, camera), problem.plane_m).jacobian[..., POSITION]
-        by_place = by_place.reshape(len(part), -1, 3)
-        np.add.at(information, part.target, np.swapaxes(by_place, -1, -2) @ by_place)
-    numbers = 2.0 * np.bincount(sightings.target, sightings.measured.sum(axis=-1), minlength=sightings.target_count)
-    # Sums instead of means of both: their ratio is the same.
-    weakest = np.linalg.eigvalsh(information)[:, 0]
-    return np.asarray(HALVES * gross_sigmas * sigma0 * np.sqrt(numbers / weakest))
+    least_m = np.full(target_count, np.inf)
+    for one in pulls:
+        squares = options.found_from(len(one.rows), len(pulls))
+        least_m[one.target] = np.sqrt(squares / min(_weakest(one, half) for half in _halves(len(one.rows))))
+    return least_m
+
+
+def _halves(count: int) -> tuple[slice, slice]:
+    """Sightings of the second place: the later ones, and every other one."""
+    return slice(count // 2, None), slice(None, None, 2)
+
+
+def _weakest(pulls: TargetPulls, half: slice) -> float:
+    """Information on a displacement of some sightings against the others in its weakest direction, per square metre."""
+    information = pulls.information[half, POSITION, half, POSITION].sum(axis=(0, 2))
+    return float(np.linalg.eigvalsh(information)[0])

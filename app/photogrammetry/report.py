@@ -40,8 +40,9 @@ class UnorientedRecord:
 class TargetRecord:
     """A published target; ``sigma_m`` with the datum, ``own_sigma_m`` relative to it.
 
-    ``detectable_m`` is the least displacement during the survey that is found when half of its photographs show it in
-    either place; None in reports of earlier releases.
+    ``detectable_m`` is the least displacement during the survey that is found in four of five cases, in whatever
+    direction, when half of its photographs show it in either place; None where fewer than four photographs show it and
+    in reports of earlier releases.
     """
 
     code: int

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +10,11 @@ import numpy.typing as npt
 
 from app.photogrammetry.bundle_normals import squared_residuals
 from app.photogrammetry.cleaning_state import CleaningState, LeftOut
-from app.photogrammetry.free_adjustment import standing
+from app.photogrammetry.free_adjustment import Part, rows_among
+from app.photogrammetry.network import POSE_COUNT
 from app.photogrammetry.place_targets import place_targets
 from app.photogrammetry.quality import QualityOptions, residual_scale, sighting_sigmas
-from app.photogrammetry.split_targets import split_targets
+from app.photogrammetry.split_targets import SplitTarget
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -60,18 +62,15 @@ def moved_after_all(state: CleaningState, options: QualityOptions) -> CleaningSt
     return replace(state, targets=state.targets + found).reduced()
 
 
-def without_split(state: CleaningState, options: QualityOptions) -> CleaningState:
-    """Leave out targets whose sightings fall into two groups; the very same state where there are none."""
-    growth, every = state.growth, state.every
-    part = standing(growth, growth.options.fewest_agreeing)
-    asked = np.isin(every.target, part.targets) & np.isin(every.photo, part.photos)
-    scale = residual_scale(growth.problem, squared_residuals(growth.problem, growth.network), options)
-    problem = growth.problem.with_sightings(every.select(asked))
-    found = split_targets(problem, growth.network, scale, options.split)
-    if not found:
-        return state
-    moved = tuple(_moved(one.target, one.apart_m) for one in found)
-    return replace(state, targets=state.targets + moved).reduced()
+def without_split(state: CleaningState, part: Part, split: Sequence[SplitTarget]) -> CleaningState:
+    """Leave out what stands in two places in a part of the network: targets, or their one sighting elsewhere."""
+    rows = np.flatnonzero(state.kept)[rows_among(state.growth.problem.sightings, part)]
+    false, sigmas = state.false.copy(), state.sigmas.copy()
+    for one in split:
+        if one.lone is not None:
+            false[rows[one.lone]], sigmas[rows[one.lone]] = True, np.sqrt(one.gain / POSE_COUNT)
+    moved = tuple(_moved(int(part.targets[one.target]), one.apart_m) for one in split if one.lone is None)
+    return replace(state, false=false, sigmas=sigmas, targets=state.targets + moved).reduced()
 
 
 def _moved(target: int, apart_m: float) -> LeftOut:

@@ -30,11 +30,14 @@ class CameraScatter:
     focal: float
     centre_px: Array
 
+    def deviations(self, camera: Camera) -> Array:
+        """One standard deviation of focal length, cx and cy, as intrinsics, shape (9, 3)."""
+        return _scattered(camera) * np.array([self.focal, *self.centre_px])
+
     def covariance(self, camera: Camera) -> Array:
         """How far a photograph's intrinsics are off the camera's, shape (9, 9)."""
-        variances = np.array([self.focal**2, *self.centre_px**2])
-        directions = _scattered(camera)
-        return np.asarray(directions * variances @ directions.T)
+        deviations = self.deviations(camera)
+        return np.asarray(deviations @ deviations.T)
 
 
 @dataclass(frozen=True)

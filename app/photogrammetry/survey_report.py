@@ -11,10 +11,8 @@ from app.geometry.camera import INTRINSIC_NAMES, CameraIdentity
 from app.geometry.control import ControlPoint, Role
 from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.control import match_points
-from app.photogrammetry.detectable import least_detectable_m
 from app.photogrammetry.image_residuals import ImageResiduals, image_residuals
 from app.photogrammetry.print_records import batch_records, batch_warnings, largest_print
-from app.photogrammetry.quality import residual_scale
 from app.photogrammetry.report import (
     AdjustmentReport,
     CameraRecord,
@@ -135,7 +133,7 @@ def _photos(outcome: SurveyOutcome) -> tuple[PhotoRecord, ...]:
 def _targets(outcome: SurveyOutcome) -> tuple[TargetRecord, ...]:
     solution, records = outcome.solution, []
     angles_deg = np.degrees(solution.angles_rad[solution.published])
-    detectable_m = _detectable_m(outcome)[solution.published]
+    detectable_m = outcome.clean.detectable_m[solution.published]
     targets = mapped_targets(solution, outcome.codes)
     for target, angle_deg, least_m in zip(targets, angles_deg, detectable_m, strict=True):
         pose = target.site_from_target
@@ -150,17 +148,10 @@ def _targets(outcome: SurveyOutcome) -> tuple[TargetRecord, ...]:
                 target.rays,
                 float(angle_deg),
                 target.rms_px,
-                float(least_m),
+                float(least_m) if np.isfinite(least_m) else None,
             )
         )
     return tuple(records)
-
-
-def _detectable_m(outcome: SurveyOutcome) -> Array:
-    """Of all targets of the network, by the weights and the scale that its sightings were judged by."""
-    clean = outcome.clean
-    sigma0 = residual_scale(clean.problem, clean.adjusted.squared, outcome.quality)
-    return least_detectable_m(clean.problem, clean.adjusted.network, outcome.quality.gross_sigmas, sigma0)
 
 
 def _image_residuals(outcome: SurveyOutcome, cameras: Sequence[SelfCalibration]) -> tuple[ImageResiduals, ...]:

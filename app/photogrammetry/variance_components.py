@@ -138,14 +138,14 @@ def _step_covariances(problem: BundleProblem, network: Network, reduced: Reduced
     own = turned @ own @ np.swapaxes(turned, -1, -2)
     covariances[:, :POSE_COUNT, :POSE_COUNT] = target + own + across + np.swapaxes(across, -1, -2)
     for ray, camera in enumerate(problem.camera_of_photo[photo]):
-        columns, places = _shared_columns(problem, int(camera), int(problem.prints.batch[part.target]))
+        columns, places = shared_columns(problem, int(camera), int(problem.prints.batch[part.target]))
         covariances[ray, :POSE_COUNT, columns] = shared[ray][:, places].T
         covariances[ray, columns, :POSE_COUNT] = shared[ray][:, places].T
         covariances[ray][np.ix_(columns, columns)] = part.inverse[split:, split:][np.ix_(places, places)]
     return covariances
 
 
-def _shared_columns(problem: BundleProblem, camera: int, batch: int) -> tuple[Index, Index]:
+def shared_columns(problem: BundleProblem, camera: int, batch: int) -> tuple[Index, Index]:
     """Columns of a sighting's equations that belong to free shared unknowns, and the places of these among all."""
     every = np.r_[problem.camera_columns(camera), problem.print_columns(batch)]
     columns = np.r_[CAMERA_COLUMNS, PRINT_COLUMNS]

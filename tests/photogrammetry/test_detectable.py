@@ -1,4 +1,4 @@
-"""The least detectable displacement is where a moved target's residuals reach the limit."""
+"""Targets that moved by their least detectable displacement are found as often as is said."""
 
 from __future__ import annotations
 
@@ -6,39 +6,58 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.photogrammetry.bundle_normals import squared_residuals
+from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.detectable import least_detectable_m
-from tests.photogrammetry.survey_scene import build_room, ring_of_stations
-from tests.photogrammetry.true_network import see
+from app.photogrammetry.split_targets import SplitOptions, split_targets
+from app.photogrammetry.target_pulls import TargetPulls, target_pulls
+from tests.photogrammetry.survey_scene import NOISE_PX, build_room, ring_of_stations
+from tests.photogrammetry.true_network import Truth, see
 
-LIMIT, SIGMA0 = 5.0, 0.9
+TRUTH = see(build_room(), ring_of_stations(24), noise_px=NOISE_PX)
+OPTIONS, DRAWS = SplitOptions(), 200
 
 
-def test_halfway_between_two_places_the_residuals_reach_the_limit_in_the_worst_direction() -> None:
-    truth = see(build_room(5), ring_of_stations(8))
-    detectable_m = least_detectable_m(truth.problem, truth.network, LIMIT, SIGMA0)
-    # The one whose directions differ least: random ones come near the worst.
-    target, sightings = int(np.argmin(detectable_m)), truth.sightings
-    rows = sightings.target == target
-    numbers = 2.0 * sightings.measured[rows].sum()
-    rng = np.random.default_rng(1)
-    reached = []
-    for _ in range(400):
-        direction = rng.normal(size=3)
-        places_m = truth.network.target_positions_m.copy()
-        places_m[target] += 0.5 * detectable_m[target] * direction / np.linalg.norm(direction)
-        squared = squared_residuals(truth.problem, replace(truth.network, target_positions_m=places_m))[rows]
-        reached.append(np.sqrt(squared.sum() / numbers) / SIGMA0)
-    # Quadratic in the displacement, of which some millimetres at some metres leave a percent.
-    assert 0.97 * LIMIT < min(reached) < 1.2 * LIMIT
+def pulls_of(truth: Truth) -> tuple[TargetPulls, ...]:
+    return target_pulls(truth.problem, truth.network, BundleOptions().loss, 4)
+
+
+def shown_farther(pulls: TargetPulls, distance_m: float, rng: np.random.Generator) -> TargetPulls:
+    """Redrawn, the later half of the sightings showing the target farther in the direction that is seen worst."""
+    half = slice(len(pulls.rows) // 2, None)
+    information = pulls.information[half, :3, half, :3].sum(axis=(0, 2))
+    step = np.zeros((len(pulls.rows), 6))
+    step[half, :3] = distance_m * np.linalg.eigh(information)[1][:, 0]
+    size = pulls.pulls.size
+    flat = pulls.information.reshape(size, size)
+    noise = rng.multivariate_normal(np.zeros(size), flat, method="svd")
+    moved = noise.reshape(step.shape) - np.tensordot(pulls.information, step, axes=2)
+    return replace(pulls, pulls=moved, squares=float(moved.ravel() @ np.linalg.pinv(flat) @ moved.ravel()))
+
+
+def test_displacements_are_found_as_often_as_is_said() -> None:
+    every = pulls_of(TRUTH)
+    least_m = least_detectable_m(every, TRUTH.sightings.target_count, OPTIONS)
+    one, rng = max(every, key=lambda pulls: len(pulls.rows)), np.random.default_rng(5)
+    for factor, least, most in ((1.0, 0.0, 0.35), (0.0, 1.0, 1.0)):
+        missed = 0
+        for _ in range(DRAWS):
+            redrawn = shown_farther(one, factor * float(least_m[one.target]), rng)
+            others = [redrawn if pulls is one else replace(pulls, squares=0.0) for pulls in every]
+            missed += not split_targets(others, TRUTH.sightings, OPTIONS)
+        # A fifth is missed at the limit; what contradicts itself beside the displacement costs some more.
+        assert least <= missed / DRAWS <= most
 
 
 def test_it_follows_the_stated_sigmas() -> None:
-    truth = see(build_room(5), ring_of_stations(8))
-    detectable_m = least_detectable_m(truth.problem, truth.network, LIMIT, SIGMA0)
-    sharper = truth.problem.with_sightings(truth.sightings.reweighted(0.5))
-    halved_m = least_detectable_m(sharper, truth.network, LIMIT, SIGMA0)
-    assert (detectable_m > 0.0005).all()
-    assert np.median(detectable_m) < 0.05
-    ratio = halved_m / detectable_m
-    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
+    sharper = replace(TRUTH, sightings=TRUTH.sightings.reweighted(0.5))
+    least_m, same_m = (
+        least_detectable_m(pulls_of(truth), truth.sightings.target_count, OPTIONS) for truth in (TRUTH, sharper)
+    )
+    assert np.isfinite(least_m).all()
+    # What residuals scatter by is estimated: stated sigmas alone change little.
+    np.testing.assert_allclose(same_m, least_m, rtol=0.3)
+
+
+def test_a_target_that_three_photographs_show_has_no_figure() -> None:
+    few = see(build_room(), ring_of_stations(24)[::4], noise_px=NOISE_PX)
+    assert np.isinf(least_detectable_m(pulls_of(few), few.sightings.target_count, OPTIONS)).all()

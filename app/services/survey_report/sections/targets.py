@@ -26,8 +26,9 @@ COLUMNS = (
 )
 NOTE = (
     "Own sigma leaves out what all targets share, the datum. Angle: the greatest between two rays. "
-    "Detectable: the least displacement during the survey that is found when half of the photographs show either "
-    "place; a target may have moved by less."
+    "Detectable: the least displacement during the survey that is found in four of five cases, in whatever direction, "
+    "when half of the photographs show either place; a target may have moved by less, and one that fewer than four "
+    "photographs show by anything."
 )
 BASE_NOTE = " Targets without an angle are those of the base map that this survey did not see or did not change."
 
