@@ -36,8 +36,8 @@ class SplitOptions:
         Targets of a survey that chance alone names, where residuals are chance: one in so many surveys at most, by
         Bonferroni's bound over all targets and all groupings of their sightings.
     lens_factor : float
-        Times that limit of chance: what lenses leave that no polynomial describes. Breathing by 0.3 % reaches 1.4 of
-        the limit and an error of 0.1 px twice across the picture 1.6 (``benchmarks.moved_plates``).
+        Times that limit of chance, for what lenses leave that neither a polynomial nor the photographs' scatter
+        describes; what is still named falsely is measured by ``python -m benchmarks.moved_plates --only calm``.
     chance_beside : float
         With this probability chance alone makes a target contradict itself so much beside its two places that the limit
         grows, as it does for plates that are not as printed.
