@@ -9,18 +9,16 @@ import numpy.typing as npt
 
 from app.vision.homography import PLATE_DOTS_U
 from app.vision.inks import InkReading
-from app.vision.kernels.misfits import sum_normalised_squares, to_pixels
 from app.vision.kernels.places import locate_all
 from app.vision.kernels.refinement import refine_all
+from app.vision.kernels.scatter import scale_covariances
 from app.vision.measurement import PlateFits
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 # JPEG's luma and chroma of blue, green, red (ITU-R BT.601): their noise is independent, that of the colours is not.
 YCC_FROM_BGR = np.array([[0.114, 0.587, 0.299], [0.5, -0.3313, -0.1687], [-0.0813, -0.4187, 0.5]])
-
-
-HOMOGRAPHY_PARAMETERS = 8
 
 
 @dataclass(frozen=True)
@@ -85,14 +83,6 @@ class DotCentres:
         """The dots of some plates."""
         return DotCentres(*(getattr(self, part.name)[chosen] for part in fields(self)))
 
-    def covariances_px2(self, options: CentreOptions) -> Array:
-        """In pixels, shape (P, 16, 2, 2)."""
-        covariances_u2, px_by_u = (np.ascontiguousarray(part) for part in (self.covariances_u2, self.px_by_u))
-        covariances_px2 = np.empty(covariances_u2.shape)
-        floor_u2, floor_px2 = options.covariance_floor_u**2, options.covariance_floor_px**2
-        to_pixels(covariances_u2, px_by_u, floor_u2, floor_px2, covariances_px2)
-        return covariances_px2
-
 
 def locate_dots(
     fits: PlateFits, inks: InkReading, size_px: tuple[int, int], options: CentreOptions = CentreOptions()
@@ -137,7 +127,7 @@ def refine_homographies(fits: PlateFits, dots: DotCentres, options: CentreOption
 
 
 def calibrated_covariances(
-    dots: DotCentres, image_from_plate: Array, trusted: npt.NDArray[np.bool_], options: CentreOptions = CentreOptions()
+    dots: DotCentres, image_from_plate: Array, trusted: Mask, options: CentreOptions = CentreOptions()
 ) -> Array:
     """Covariances, shape (P, 16, 2, 2), px^2, scaled to how a photograph's dots scatter about their plates.
 
@@ -148,17 +138,30 @@ def calibrated_covariances(
     trusted : ndarray of shape (P,), bool
         Plates that count; bent ones and false ones must not.
     """
-    covariances_px2 = dots.covariances_px2(options)
-    redundancy = 2.0 * dots.measured.sum(axis=1) - HOMOGRAPHY_PARAMETERS
-    trusted = trusted & (redundancy > 0)
-    factor = 1.0
-    if trusted.any():
-        squares = np.empty(len(redundancy))
-        measured = (np.ascontiguousarray(dots.centres_px), covariances_px2, np.ascontiguousarray(dots.measured))
-        sum_normalised_squares(np.ascontiguousarray(image_from_plate), PLATE_DOTS_U, measured, squares)
-        variances = squares[trusted] / redundancy[trusted]
-        # The median keeps a bent plate from speaking for all.
-        weight = redundancy[trusted].sum()
-        total = weight + options.prior_redundancy
-        factor = float((weight * np.median(variances) + options.prior_redundancy) / total)
-    return covariances_px2 * factor * options.unseen_factor
+    covariances_px2 = np.empty(dots.covariances_u2.shape)
+    calibrate_some(dots, image_from_plate, (np.ones(len(trusted), dtype=np.bool_), trusted), options, covariances_px2)
+    return covariances_px2
+
+
+def calibrate_some(
+    dots: DotCentres,
+    image_from_plate: Array,
+    which: tuple[Mask, Mask],
+    options: CentreOptions,
+    covariances_px2: Array,
+) -> None:
+    """The same for plates of one kind, written into those of all; ``which`` are theirs, and which of them count."""
+    located = (
+        np.ascontiguousarray(dots.centres_px),
+        np.ascontiguousarray(dots.covariances_u2),
+        np.ascontiguousarray(dots.px_by_u),
+        np.ascontiguousarray(dots.measured),
+    )
+    bounds = (
+        options.covariance_floor_u**2,
+        options.covariance_floor_px**2,
+        options.prior_redundancy,
+        options.unseen_factor,
+    )
+    plates = (np.ascontiguousarray(image_from_plate), PLATE_DOTS_U)
+    scale_covariances(plates, located, which, bounds, covariances_px2)

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from app.targets.layout import BASE_CELLS, DIGIT_CELLS
-from app.vision.centres import HOMOGRAPHY_PARAMETERS, DotCentres
+from app.targets.layout import BASE_CELLS
+from app.vision.centres import DotCentres
 from app.vision.homography import PLATE_DOTS_U
 from app.vision.inks import InkReading
 from app.vision.kernels.claims import keep_apart
-from app.vision.kernels.inkwell import RED
-from app.vision.kernels.misfits import sum_squares
+from app.vision.kernels.judging import judge_all
+from app.vision.kernels.misfits import measure_misfits
 from app.vision.measurement import PlateFits
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
-
-BASE, DIGITS = list(BASE_CELLS), list(DIGIT_CELLS)
 
 
 @dataclass(frozen=True)
@@ -71,9 +69,10 @@ class JudgementOptions:
     dots_min: int = 6
     base_dots_covered_min: int = 3
 
-    def base_dots_needed(self, covered: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
-        """Base dots that plates must show of which so many are known to be covered, both of shape (P,)."""
-        return np.clip(len(BASE) - covered, self.base_dots_covered_min, self.base_dots_min)
+    def bounds(self) -> tuple[float, ...]:
+        """As the compiled loop takes them: all in their order, pairs as two."""
+        values = tuple(value if isinstance(value, tuple) else (value,) for value in vars(self).values())
+        return tuple(float(bound) for value in values for bound in value)
 
 
 @dataclass(frozen=True)
@@ -86,10 +85,13 @@ class Judgement:
         Empty where the plate stands; else the first test that failed.
     rms_px : ndarray of shape (P,)
         Root mean square, per coordinate, of the measured dots about the plate's homography.
+    lacks_red : ndarray of shape (P, 5), bool
+        Base dots that do not show red, or no more of it than noise.
     """
 
     reasons: tuple[str, ...]
     rms_px: Array
+    lacks_red: Mask
 
     @property
     def stands(self) -> Mask:
@@ -100,7 +102,7 @@ class Judgement:
         """The same judgement with a reason against some plates."""
         refused = {int(plate) for plate in plates}
         reasons = tuple(reason if plate in refused else before for plate, before in enumerate(self.reasons))
-        return Judgement(reasons, self.rms_px)
+        return replace(self, reasons=reasons)
 
 
 REASON_TEXT = {
@@ -119,6 +121,19 @@ REASON_TEXT = {
     "duplicate-code": "the same code was read better elsewhere in this photograph",
 }
 
+# Of the tests of a fitted plate, in their order; the first is that of a plate that stands.
+REASONS = (
+    "",
+    "outside-photo",
+    "not-red",
+    "uneven-red",
+    "bright-background",
+    "not-a-plate",
+    "too-few-dots",
+    "wrong-layout",
+    "red-digit",
+)
+
 # A group that fails one of these was hardly a plate at all.
 COLOUR_REASONS = ("not-red", "uneven-red", "bright-background", "not-a-plate")
 
@@ -133,60 +148,22 @@ def judge_plates(
     refined : ndarray of shape (P, 3, 3)
         Homographies through the measured dots.
     """
-    rms_px = misfit_px(dots, refined)
-    base, in_sight = fits.amplitudes[:, BASE], ~inks.hidden[:, BASE]
-    base_min = options.base_dots_needed(inks.cut[:, BASE].sum(axis=1))
-    # In order, the middle of five is their median: ``np.median`` takes ten times as long for it.
-    mean_red = np.maximum(np.sort(base[..., RED], axis=1)[:, len(BASE) // 2], 1.0)
-    off_level = np.sort(np.abs(base[..., RED] - inks.red_level[:, BASE]), axis=1)
-    uneven = np.take_along_axis(off_level, base_min[:, None] - 1, axis=1)[:, 0]
-    mean_base = (base * in_sight[..., None]).sum(axis=1) / np.maximum(in_sight.sum(axis=1), 1)[:, None]
-    allowed_px = np.hypot(options.misfit_max_u * fits.px_per_u, options.misfit_noise_px)
-    measured_base = dots.measured[:, BASE].sum(axis=1)
-    below_black = -mean_base[:, :RED].min(axis=1) / mean_red
-    weakly, always = options.below_black_max
-    failed = {
-        "outside-photo": dots.inside[:, BASE].sum(axis=1) < base_min,
-        "not-red": (~lacks_red(fits, inks, options)).sum(axis=1) < base_min,
-        "uneven-red": uneven > options.uneven_max * np.maximum(mean_base[:, RED], 1.0),
-        "bright-background": (fits.background.max(axis=1) > options.background_max * mean_red)
-        | (below_black > np.where(fits.explained() < options.explained_surely, weakly, always)),
-        "not-a-plate": ~(fits.explained() > options.explained_min),
-        "too-few-dots": (dots.measured.sum(axis=1) < options.dots_min) | (measured_base < base_min),
-        "wrong-layout": ~(rms_px < allowed_px),
-        "red-digit": (_red_digits(fits, inks, options) & dots.inside[:, DIGITS]).any(axis=1),
-    }
-    reasons = [""] * len(rms_px)
-    for reason, failing in reversed(failed.items()):
-        for plate in np.flatnonzero(failing):
-            reasons[plate] = reason
-    return Judgement(tuple(reasons), rms_px)
-
-
-def lacks_red(fits: PlateFits, inks: InkReading, options: JudgementOptions = JudgementOptions()) -> Mask:
-    """Which base dots do not show red, or no more of it than noise, shape (P, 5)."""
-    weak = np.maximum(options.red_min, options.red_over_residual * fits.residual_rms)
-    result: Mask = ~inks.red_base | (fits.amplitudes[:, BASE, RED] < weak[:, None])
-    return result
-
-
-def _red_digits(fits: PlateFits, inks: InkReading, options: JudgementOptions) -> Mask:
-    """Which identification dots are printed in the base dots' red, shape (P, 11)."""
-    red_min, off_red_max = options.red_digit
-    blue, green, red = np.moveaxis(fits.amplitudes, 2, 0)
-    result: Mask = (red > red_min * inks.red_level) & (np.maximum(blue, green) < off_red_max * red)
-    return result[:, DIGITS]
+    count = len(refined)
+    verdicts, rms_px = np.empty(count, dtype=np.int64), np.empty(count)
+    lacks_red = np.empty((count, len(BASE_CELLS)), dtype=np.bool_)
+    fitted = (fits.amplitudes, fits.planes, fits.residual_rms, fits.px_per_u, fits.explained())
+    located = (np.ascontiguousarray(dots.centres_px), np.ascontiguousarray(dots.measured), dots.inside)
+    read = (inks.red_base, inks.red_level, inks.hidden, inks.cut)
+    judge_all(fitted, (refined, PLATE_DOTS_U, *located), read, options.bounds(), (verdicts, rms_px, lacks_red))
+    return Judgement(tuple(REASONS[verdict] for verdict in verdicts.tolist()), rms_px, lacks_red)
 
 
 def misfit_px(dots: DotCentres, image_from_plate: Array) -> Array:
     """Root mean square per coordinate of the measured dots about their homographies, shape (P,), px."""
-    squares = np.empty(len(image_from_plate))
+    misfits_px = np.empty(len(image_from_plate))
     homographies, centres_px = np.ascontiguousarray(image_from_plate), np.ascontiguousarray(dots.centres_px)
-    sum_squares(homographies, PLATE_DOTS_U, centres_px, np.ascontiguousarray(dots.measured), squares)
-    # A plate with few dots has little left to disagree.
-    redundancy = np.maximum(2 * dots.measured.sum(axis=1) - HOMOGRAPHY_PARAMETERS, 1)
-    result: Array = np.sqrt(squares / redundancy)
-    return result
+    measure_misfits(homographies, PLATE_DOTS_U, centres_px, np.ascontiguousarray(dots.measured), misfits_px)
+    return misfits_px
 
 
 def one_dot_one_target(groups: npt.NDArray[np.intp], quality: Array) -> npt.NDArray[np.intp]:

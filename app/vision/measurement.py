@@ -33,8 +33,6 @@ class PlateFits:
         Each dot's blue, green, red above the background, linear light of 0 ... 255.
     slopes : ndarray of shape (P, 16, 2, 3)
         The derivative coefficients along x and y per channel, linear light per u.
-    background : ndarray of shape (P, 3)
-        Blue, green, red of the plate's black.
     residual_rms : ndarray of shape (P,)
         Root mean square of samples minus model, over all channels.
     spread_rms : ndarray of shape (P,)
@@ -49,11 +47,14 @@ class PlateFits:
     px_per_u: Array
     amplitudes: Array
     slopes: Array
-    background: Array
     residual_rms: Array
     spread_rms: Array
     offset_cofactors: Array
     planes: Array
+
+    def fitted(self) -> tuple[Array, Array, Array, Array, Array, Array]:
+        """What a fit finds, in the order in which compiled loops write it."""
+        return (self.amplitudes, self.slopes, self.planes, self.residual_rms, self.spread_rms, self.offset_cofactors)
 
     def select(self, chosen: npt.NDArray[np.intp]) -> PlateFits:
         """The fits of some plates."""
@@ -65,7 +66,7 @@ class PlateFits:
         count, planes = len(px_per_u), np.empty((len(px_per_u), CHANNELS, COEFFICIENTS - BACKGROUND))
         amplitudes, slopes = np.empty((count, DOT_COUNT, CHANNELS)), np.empty((count, DOT_COUNT, 2, CHANNELS))
         cofactors, (residual_rms, spread_rms) = np.empty((count, DOT_COUNT, 2, 2)), np.empty((2, count))
-        fitted = (amplitudes, slopes, planes[:, :, 0], residual_rms, spread_rms, cofactors, planes)
+        fitted = (amplitudes, slopes, residual_rms, spread_rms, cofactors, planes)
         return cls(image_from_plate, px_per_u, *fitted)
 
     @classmethod
@@ -75,6 +76,11 @@ class PlateFits:
         if len(filled) == 1:
             return filled[0]
         return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
+
+    @property
+    def background(self) -> Array:
+        """Blue, green, red of the plates' black at their middles, shape (P, 3)."""
+        return self.planes[:, :, 0]
 
     def explained(self) -> Array:
         """Part of the samples' variance that the model explains, shape (P,), over all channels; 0 where all is flat."""
@@ -156,6 +162,5 @@ def fit_patches(patches: Patches, blur_px: Array, chosen: npt.NDArray[np.intp] |
 def _fit_into(fits: PlateFits, patches: Patches, orders: npt.NDArray[np.int64]) -> None:
     """Fit patches as ``orders``, shape (3, N), say: the patch, the level of its template, the row that is written."""
     samples = patches.samples
-    written = (fits.amplitudes, fits.slopes, fits.planes, fits.residual_rms, fits.spread_rms, fits.offset_cofactors)
     shelf = shelf_with(patches.grid, orders[1])
-    fit_plates(samples, orders, shelf.parts, (PAPER_RIDGE * samples.shape[2], PATCH_REACH_U), written)
+    fit_plates(samples, orders, shelf.parts, (PAPER_RIDGE * samples.shape[2], PATCH_REACH_U), fits.fitted())

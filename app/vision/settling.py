@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy.special import ive, ndtr
 
 from app.targets.layout import DOT_RADIUS_U
-from app.vision.centres import YCC_FROM_BGR, CentreOptions, DotCentres, calibrated_covariances
+from app.vision.centres import YCC_FROM_BGR, CentreOptions, DotCentres, calibrate_some
 from app.vision.kernels.profiles import BLUR_LEVELS, BLUR_STEP_U, EDGE_REACH, EDGE_STEPS, LIGHT_MAX
 from app.vision.kernels.settling import settle_all
 from app.vision.measurement import PlateFits
@@ -72,6 +72,11 @@ class SettlingOptions:
     floor_px: float = 0.02
     unseen_factor: float = 1.3
 
+    def finer(self, centres: CentreOptions) -> CentreOptions:
+        """How covariances of settled dots are scaled."""
+        floors = {"covariance_floor_px": self.floor_px, "covariance_floor_u": 0.0}
+        return replace(centres, **floors, unseen_factor=self.unseen_factor)
+
 
 def settle_dots(
     bgr: Pixels,
@@ -120,15 +125,12 @@ def settled_covariances(
 ) -> Array:
     """Calibrated covariances, shape (P, 16, 2, 2), px^2; settled plates and the others speak for their own kind."""
     centres, settling = options
-    finer = replace(
-        centres,
-        covariance_floor_px=settling.floor_px,
-        covariance_floor_u=0.0,
-        unseen_factor=settling.unseen_factor,
-    )
-    by_samples = calibrated_covariances(dots, image_from_plate, trusted & ~settled, centres)
-    by_pixels = calibrated_covariances(dots, image_from_plate, trusted & settled, finer)
-    return np.where(settled[:, None, None, None], by_pixels, by_samples)
+    covariances_px2 = np.empty(dots.covariances_u2.shape)
+    by_samples, by_pixels = (~settled, trusted & ~settled), (settled, trusted & settled)
+    calibrate_some(dots, image_from_plate, by_samples, centres, covariances_px2)
+    if settled.any():
+        calibrate_some(dots, image_from_plate, by_pixels, settling.finer(centres), covariances_px2)
+    return covariances_px2
 
 
 def _limits(options: SettlingOptions) -> Array:

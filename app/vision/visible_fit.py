@@ -67,7 +67,6 @@ def fit_visible(patches: Patches, blur_px: float, seen: Mask) -> VisibleFits:
     """Fit plates under one blur to the samples in sight, ``seen`` of shape (P, S)."""
     fits = PlateFits.room_for(patches.image_from_plate, patches.px_per_u)
     shares, levels = np.empty(fits.amplitudes.shape[:2]), patches.levels(np.full(len(seen), blur_px))
-    fitted = (fits.amplitudes, fits.slopes, fits.planes, fits.residual_rms, fits.spread_rms, fits.offset_cofactors)
     known = (HIDDEN_RIDGE, PAPER_RIDGE, PATCH_REACH_U, READ_SHARE)
-    fit_seen(patches.samples, seen, levels, shelf_with(patches.grid, levels).parts, known, (*fitted, shares))
+    fit_seen(patches.samples, seen, levels, shelf_with(patches.grid, levels).parts, known, (*fits.fitted(), shares))
     return VisibleFits(fits, shares)

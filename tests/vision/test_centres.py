@@ -10,7 +10,6 @@ from app.targets.digits import digits_of_code
 from app.targets.family import CodeFamily
 from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.centres import (
-    HOMOGRAPHY_PARAMETERS,
     CentreOptions,
     DotCentres,
     calibrated_covariances,
@@ -27,6 +26,7 @@ from app.vision.homography import (
     local_px_per_u,
 )
 from app.vision.inks import read_inks
+from app.vision.kernels.misfits import HOMOGRAPHY_PARAMETERS
 from app.vision.measurement import PlateFits, SizedPatches
 from app.vision.patches import Pyramid
 from app.vision.settling import SettlingOptions
@@ -213,10 +213,15 @@ def scattered() -> tuple[DotCentres, np.ndarray]:
 
 def refined(dots: DotCentres, homographies: np.ndarray) -> np.ndarray:
     empty = np.zeros((len(homographies), 0))
-    return refine_homographies(PlateFits(homographies, local_px_per_u(homographies), *[empty] * 7), dots)
+    return refine_homographies(PlateFits(homographies, local_px_per_u(homographies), *[empty] * 6), dots)
 
 
 OPTIONS = CentreOptions(covariance_floor_px=0.0, covariance_floor_u=0.0)
+
+
+def in_pixels(dots: DotCentres) -> np.ndarray:
+    """Covariances as the fits have them, shape (P, 16, 2, 2), px^2."""
+    return dots.px_by_u @ dots.covariances_u2 @ dots.px_by_u.swapaxes(2, 3)
 
 
 def test_covariances_grow_to_what_the_dots_scatter_by(scattered: tuple[DotCentres, np.ndarray]) -> None:
@@ -224,7 +229,7 @@ def test_covariances_grow_to_what_the_dots_scatter_by(scattered: tuple[DotCentre
     everyone = np.ones(PLATES, dtype=bool)
     through_dots = refined(dots, homographies)
     grown = calibrated_covariances(dots, through_dots, everyone, OPTIONS)
-    factor = np.median(grown / dots.covariances_px2(OPTIONS)) / OPTIONS.unseen_factor
+    factor = np.median(grown / in_pixels(dots)) / OPTIONS.unseen_factor
     # The median of chi squared over 24 redundancies each; the prior pulls by 20 of 980 towards 1.
     assert factor == pytest.approx(9.0, rel=4 * np.sqrt(2 / (PLATES * (32 - HOMOGRAPHY_PARAMETERS))) + 0.05)
     bent = replace(dots, centres_px=dots.centres_px.copy())
@@ -238,15 +243,15 @@ def test_covariances_grow_to_what_the_dots_scatter_by(scattered: tuple[DotCentre
 def test_without_trusted_plates_covariances_keep_the_fits_own_noise(scattered: tuple[DotCentres, np.ndarray]) -> None:
     dots, homographies = scattered
     kept = calibrated_covariances(dots, homographies, np.zeros(PLATES, dtype=bool), OPTIONS)
-    np.testing.assert_allclose(kept, OPTIONS.unseen_factor * dots.covariances_px2(OPTIONS))
+    np.testing.assert_allclose(kept, OPTIONS.unseen_factor * in_pixels(dots))
 
 
 def test_floors_keep_covariances_positive(scattered: tuple[DotCentres, np.ndarray]) -> None:
-    dots, _ = scattered
+    dots, homographies = scattered
     exact = replace(dots, covariances_u2=np.zeros_like(dots.covariances_u2))
-    options = CentreOptions()
-    least_px2 = np.linalg.eigvalsh(exact.covariances_px2(options)).min()
-    assert least_px2 >= options.covariance_floor_px**2
+    options, nobody = CentreOptions(), np.zeros(PLATES, dtype=bool)
+    least_px2 = np.linalg.eigvalsh(calibrated_covariances(exact, homographies, nobody, options)).min()
+    assert least_px2 >= options.unseen_factor * options.covariance_floor_px**2
 
 
 def test_homographies_follow_the_measured_dots(scattered: tuple[DotCentres, np.ndarray]) -> None:

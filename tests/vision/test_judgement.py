@@ -13,7 +13,6 @@ from app.vision.judgement import (
     REASON_TEXT,
     Judgement,
     judge_plates,
-    lacks_red,
     misfit_px,
     one_dot_one_target,
 )
@@ -73,9 +72,9 @@ def patchy(measured: Measured) -> Measured:
 
 
 def washed_out(measured: Measured) -> Measured:
-    background = measured.fits.background.copy()
-    background[SPOILT] += 3.0 * measured.fits.amplitudes[SPOILT, BASE, 2].mean()
-    return with_fits(measured, background=background)
+    planes = measured.fits.planes.copy()
+    planes[SPOILT, :, 0] += 3.0 * measured.fits.amplitudes[SPOILT, BASE, 2].mean()
+    return with_fits(measured, planes=planes)
 
 
 def on_green_ground(measured: Measured) -> Measured:
@@ -127,7 +126,7 @@ def test_plates_stand(measured: Measured) -> None:
     judgement = measured.judged()
     assert judgement.stands.all() and set(judgement.reasons) == {""}
     assert judgement.rms_px.max() < 0.1
-    assert not lacks_red(measured.fits, measured.inks).any()
+    assert not judgement.lacks_red.any()
 
 
 @pytest.mark.parametrize(
@@ -160,8 +159,9 @@ def test_a_faint_base_dot_lacks_red_and_one_alone_refuses_no_plate(measured: Mea
     spoilt = with_fits(measured, amplitudes=amplitudes)
     expected = np.zeros((24, 5), dtype=bool)
     expected[SPOILT, 2] = True
-    np.testing.assert_array_equal(lacks_red(spoilt.fits, spoilt.inks), expected)
-    assert spoilt.judged().stands.all()
+    judgement = spoilt.judged()
+    np.testing.assert_array_equal(judgement.lacks_red, expected)
+    assert judgement.stands.all()
     amplitudes[SPOILT, BASE[0]] *= 0.1
     assert with_fits(measured, amplitudes=amplitudes).judged().reasons[SPOILT] == "not-red"
 
@@ -172,7 +172,7 @@ def test_every_reason_is_explained() -> None:
 
 
 def test_a_later_refusal_changes_no_other_verdict() -> None:
-    judgement = Judgement(("", "not-red", "", ""), np.arange(4.0))
+    judgement = Judgement(("", "not-red", "", ""), np.arange(4.0), np.zeros((4, 5), dtype=bool))
     refused = judgement.refuse(np.array([2, 3]), "base-dot-missing")
     assert refused.reasons == ("", "not-red", "base-dot-missing", "base-dot-missing")
     assert refused.stands.tolist() == [True, False, False, False]

@@ -28,7 +28,9 @@ def plates(plates_shot: Shot) -> MeasuredPlates:
     inks = read_inks(fits.amplitudes)
     dots = locate_dots(fits, inks, (640, 480))
     covariances_px2 = np.broadcast_to(0.01 * np.eye(2), (24, 16, 2, 2))
-    return MeasuredPlates(fits, dots, covariances_px2, inks, Judgement(("",) * 24, np.full(24, 0.1)))
+    return MeasuredPlates(
+        fits, dots, covariances_px2, inks, Judgement(("",) * 24, np.full(24, 0.1), np.zeros((24, 5), dtype=bool))
+    )
 
 
 def read(
@@ -163,7 +165,7 @@ def test_what_was_refused_stays_refused_and_what_is_hardly_a_plate_is_not_told(
     residual_rms[3] = plates.fits.spread_rms[3]  # explains nothing
     judged = replace(
         plates,
-        judgement=Judgement(tuple(reasons), plates.judgement.rms_px),
+        judgement=replace(plates.judgement, reasons=tuple(reasons)),
         fits=replace(plates.fits, residual_rms=residual_rms),
     )
     targets, rejected = read(judged, family)
