@@ -16,8 +16,9 @@ help: ## what can be made
 demo: $(VENV)/.ready ## survey and locate in the real service: make demo [ROOM=path]
 	@$(BIN)/scattermark demo "$(ROOM)"
 
+# Two processes on two cores: algebra in threads would be waited for in loops, at three times the processor time.
 test: lint ## lint, types and the test suite
-	@$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 lint: $(VENV)/.ready-test ## ruff and mypy
 	@$(BIN)/ruff check .
