@@ -158,7 +158,7 @@ def _free_blobs(
 
 def _half_hidden(bgr: Pixels, blobs: Blobs, free: npt.NDArray[np.intp], options: DetectorOptions) -> PlateFits:
     """Plates of which a side is covered with both its corner dots, at first sight, from blobs of no other plate."""
-    parts = options.parts.at_first_sight()
+    parts = options.parts.reading(options.inks, options.centres).at_first_sight()
     groups, sides = behind_sides(bgr, blobs, free, options.hidden_sides, parts.sides)
     found, visible = fit_covered(Pyramid.of(bgr, 1), sides, options.blur_px, parts)
     if len(found) < 2:
@@ -180,7 +180,8 @@ def _measure(bgr: Pixels, first: PlateFits, options: DetectorOptions) -> Measure
     pyramid = _pyramid(bgr, first, options)
     patches = SizedPatches.of(pyramid, refined)
     blur_px = _choose_blur(patches, size_px, options)
-    parts = fit_in_sight(pyramid, patches.fit(blur_px), (refined, first.image_from_plate), blur_px, options.parts)
+    in_sight = options.parts.reading(options.inks, options.centres)
+    parts = fit_in_sight(pyramid, patches.fit(blur_px), (refined, first.image_from_plate), blur_px, in_sight)
     fits = parts.fits
     inks = read_inks(fits.amplitudes, options.inks).behind(parts.hidden, parts.cut)
     dots = locate_dots(fits, inks, size_px, options.centres)

@@ -78,6 +78,10 @@ class Blobs:
     centres_px: Array
     semi_axes_px: Array
 
+    def followed_by(self, centres_px: Array, semi_axes_px: Array) -> Blobs:
+        """These and, behind them, dots that were not seen but must be there: shapes (M, 2) and (M, 2)."""
+        return Blobs(np.concatenate([self.centres_px, centres_px]), np.concatenate([self.semi_axes_px, semi_axes_px]))
+
     def __len__(self) -> int:
         return len(self.centres_px)
 

@@ -68,7 +68,7 @@ class SeenWord:
         code : int
             Of the family.
         known_codes : frozenset of int or None
-            The codes that the site holds, and a mirror may show.
+            The codes that the site holds. What a mirror shows of others must suit better to be believed instead.
         margin : float
             By how much more every other word must be contradicted.
         """
@@ -77,8 +77,8 @@ class SeenWord:
             return ""
         words = words_of(family)
         if family.distance >= MIRROR_DISTANCE_MIN:
-            shown = words if known_codes is None else words[np.isin(family.codes, list(known_codes))]
-            if (self.in_mirror().against(shown) <= own + margin).any():
+            known = True if known_codes is None else np.isin(family.codes, list(known_codes))
+            if (self.in_mirror().against(words) <= own + np.where(known, margin, -margin)).any():
                 return "mirror-image"
         return "unreadable" if (self.against(words[family.codes != code]) <= own + margin).any() else ""
 

@@ -151,5 +151,4 @@ def complete_groups(
     groups[np.arange(count), hidden] = len(blobs) + np.arange(count)
     centres_px = np.einsum("gr,grc->gc", CASES.predictions[case], pool.centres_px[fours[four]])
     semi_axes_px = pool.semi_axes_px[fours[four]].mean(axis=1)
-    extended = Blobs(np.concatenate([blobs.centres_px, centres_px]), np.concatenate([blobs.semi_axes_px, semi_axes_px]))
-    return extended, groups
+    return blobs.followed_by(centres_px, semi_axes_px), groups

@@ -93,7 +93,7 @@ def complete_sides(
     centres_px, semi_axes_px = np.empty((2, 2 * len(threes), 2))
     dots = (pool.centres_px, pool.semi_axes_px)
     make_up_corners(threes, dots, (INVERSE_BY_SIDE, ACROSS_U), groups, centres_px, semi_axes_px)
-    extended = Blobs(np.concatenate([blobs.centres_px, centres_px]), np.concatenate([blobs.semi_axes_px, semi_axes_px]))
+    extended = blobs.followed_by(centres_px, semi_axes_px)
     places = np.concatenate([chosen, len(blobs) + np.arange(2 * len(threes))])
     return extended, places[groups]
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from app.targets.layout import BASE_CELLS, DOT_COUNT
 from app.vision.centres import CentreOptions, locate_dots, refine_homographies
 from app.vision.covered_sides import CoveredSides, SideOptions, covered_sides
-from app.vision.inks import read_inks
+from app.vision.inks import InkOptions, read_inks
 from app.vision.kernels.inkwell import RED
 from app.vision.measurement import PlateFits
 from app.vision.patches import Pyramid, take_patches
@@ -54,6 +54,9 @@ class PartOptions:
         At first sight, where places are good to half a dot's radius and the blur is not known.
     grid : PatchGrid
         Samples of a fit.
+    sides : SideOptions
+    inks : InkOptions
+    centres : CentreOptions
     """
 
     doubted_below: float = 0.9
@@ -65,6 +68,12 @@ class PartOptions:
     first_explained_min: float = 0.75
     grid: PatchGrid = PatchGrid.FINE
     sides: SideOptions = field(default_factory=SideOptions)
+    inks: InkOptions = field(default_factory=InkOptions)
+    centres: CentreOptions = field(default_factory=CentreOptions)
+
+    def reading(self, inks: InkOptions, centres: CentreOptions) -> PartOptions:
+        """With dots read and placed as those of whole plates."""
+        return replace(self, inks=inks, centres=centres)
 
     def at_first_sight(self) -> PartOptions:
         """One rough fit."""
@@ -121,7 +130,7 @@ def fit_in_sight(
 def _doubted(fits: PlateFits, options: PartOptions) -> Indices:
     """Plates that may be covered, the best explained first."""
     explained = fits.explained()
-    doubtful = (explained < options.doubted_below) | ~read_inks(fits.amplitudes).red_base.all(axis=1)
+    doubtful = (explained < options.doubted_below) | ~read_inks(fits.amplitudes, options.inks).red_base.all(axis=1)
     doubted = np.flatnonzero(doubtful & (explained > options.doubted_above))
     return doubted[np.argsort(-explained[doubted], kind="stable")[: options.plates_max]]
 
@@ -155,7 +164,7 @@ def fit_covered(
         patches = take_patches(pyramid, sides.image_from_plate, options.grid)
         visible = fit_visible(patches, blur_px, sides.seen(options.grid.points_u()))
         if rounds_left:
-            sides = covered_sides(pyramid.bgr, sides.red, _refined(visible, pyramid.size_px), options.sides)
+            sides = covered_sides(pyramid.bgr, sides.red, _refined(visible, pyramid.size_px, options), options.sides)
             likely = sides.covered()
             found, sides = found[likely], sides.select(likely)
     few_hidden = visible.hidden[:, BASE].sum(axis=1) <= options.base_hidden_max
@@ -163,7 +172,6 @@ def fit_covered(
     return (found, visible) if len(stands) == len(found) else (found[stands], visible.select(stands))
 
 
-def _refined(visible: VisibleFits, size_px: tuple[int, int]) -> Array:
-    inks = read_inks(visible.fits.amplitudes).behind(visible.hidden, visible.cut)
-    dots = locate_dots(visible.fits, inks, size_px, CentreOptions())
-    return refine_homographies(visible.fits, dots)
+def _refined(visible: VisibleFits, size_px: tuple[int, int], options: PartOptions) -> Array:
+    inks = read_inks(visible.fits.amplitudes, options.inks).behind(visible.hidden, visible.cut)
+    return refine_homographies(visible.fits, locate_dots(visible.fits, inks, size_px, options.centres))

@@ -46,7 +46,7 @@ class ReadingOptions:
 
     confidence_min: float = 0.35
     sure_min: float = 0.7
-    rival_margin: float = 0.3
+    rival_margin: float = 0.25
     report_explained_min: float = 0.5
     plate_sigmas: PlateSigmas = PlateSigmas(shift=1.3, linear=1.2, dots=0.85)
 

@@ -7,6 +7,7 @@ from app.geometry.pose import Pose
 from app.planning.imaging import ImagingOptions
 from app.planning.scene import Panel
 from app.planning.surfaces import PlainSurface
+from app.targets.digits import digits_of_codes
 from app.targets.drawing import cell_colours_rgb
 from app.targets.family import CodeFamily
 from app.targets.layout import BASE_CELLS
@@ -22,6 +23,7 @@ from tests.vision.scenes import (
     found,
     measured_errors,
     photograph,
+    plate_at,
     plates_in_rows,
     wrong_plate,
 )
@@ -103,6 +105,26 @@ def test_plates_with_a_side_hidden_are_read(
     errors_px, covariances_px2 = measured_errors(detection, shot)
     squares = np.einsum("ni,nij,nj->n", errors_px, np.linalg.inv(covariances_px2), errors_px)
     assert squares.mean() < 2.0 * 2.0  # two per dot are expected; of some hundred dots
+
+
+@pytest.mark.parametrize("side", range(4))
+def test_plates_cut_by_the_photograph_s_border_with_two_base_dots_outside_are_read(
+    family: CodeFamily, side: int
+) -> None:
+    """What lies outside is hidden like what is covered."""
+    code, px_per_u = int(family.codes[digits_of_codes(family.codes).min(axis=1) > 0][1]), 8.0  # no digit is black
+    plate = plate_at((320.0, 240.0), px_per_u, code, turn_rad=(0.2, -0.1, 0.0))
+    shot = photograph(before_wall([plate]), ImagingOptions())
+    axis = 1 - side % 2  # of the bottom, the left, the top, the right: rows or columns are cut
+    lost_px = shot.dots_px(code)[[BASE_CELLS[corner] for corner in HIDDEN_CORNERS[side]], axis]
+    past_px = 1.5 * px_per_u  # beyond the corner dots, before those beside them
+    first, last = (round(lost_px.max() + past_px), None) if side in (1, 2) else (0, round(lost_px.min() - past_px))
+    bgr = shot.bgr[:, first:last] if axis == 0 else shot.bgr[first:last]
+    (target,) = detect(bgr, family).targets
+    assert target.code == code and target.measured[list(BASE_CELLS)].sum() == 3
+    errors_px = target.centres_px - shot.dots_px(code)
+    errors_px[:, axis] += first
+    assert np.abs(errors_px[target.measured]).max() < 0.5  # a dot that the border cuts would be off by px
 
 
 def test_a_side_hidden_by_black_is_not_forgiven(codes: np.ndarray, family: CodeFamily) -> None:
