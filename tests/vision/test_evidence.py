@@ -14,6 +14,7 @@ OWN_MIRROR = {88_573, 177_146}  # all green, all white
 MARGIN = ReadingOptions().rival_margin
 SURE, DOUBTFUL = 1.5, 0.4
 CODES = st.sampled_from(GOLAY.codes.tolist())
+TOLD_FROM_MIRROR = st.sampled_from([code for code in GOLAY.codes.tolist() if code not in OWN_MIRROR])
 
 
 def seen(code: int, confidence: float = SURE) -> SeenWord:
@@ -56,10 +57,12 @@ def test_one_doubtful_digit_is_mended_unless_its_mirror_image_lacks_that_one_as_
     mirrored = words_of(GOLAY)[:, DIGITS_IN_MIRROR]
     ambiguous = (mirrored == word.digits)[:, elsewhere].all(axis=1).any()
     assert word.rival(code, GOLAY, None, MARGIN) == ("mirror-image" if ambiguous else "")
-    assert word.rival(code, GOLAY, frozenset({code}) - OWN_MIRROR, MARGIN) == ""
+    # With a list an unlisted code in the mirror counts where it contradicts nothing at all.
+    better = (mirrored == word.digits).all(axis=1).any()
+    assert word.rival(code, GOLAY, frozenset({code}) - OWN_MIRROR, MARGIN) == ("mirror-image" if better else "")
 
 
-@given(code=CODES, place=st.integers(0, 10))
+@given(code=TOLD_FROM_MIRROR, place=st.integers(0, 10))
 def test_a_plate_in_a_mirror_with_a_doubtful_digit_says_no_other_code(code: int, place: int) -> None:
     """Mended as it stands it would contradict sure digits, and as the mirror's word that doubtful one alone."""
     word = misread(seen(code), [place], DOUBTFUL).in_mirror()
