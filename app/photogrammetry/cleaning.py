@@ -22,7 +22,7 @@ from app.photogrammetry.robust import RobustLoss
 from app.photogrammetry.second_look import look_again
 from app.photogrammetry.second_places import moved_after_all, with_examined, without_split
 from app.photogrammetry.sightings import Sightings
-from app.photogrammetry.split_targets import FEWEST_OF_SPLIT, split_targets
+from app.photogrammetry.split_targets import SplitOptions, SplitTarget, split_of, surest_around
 from app.photogrammetry.target_pulls import target_pulls
 
 Array = npt.NDArray[np.float64]
@@ -66,14 +66,27 @@ def clean_network(growth: Growth, options: QualityOptions, on_step: Callable[[],
     state = moved_after_all(_readmitted(state, options), options)
     for rounds_left in range(options.split.most_rounds, -1, -1):
         state, part, problem, adjusted = _adjusted(state, on_step)
-        pulls = target_pulls(problem, adjusted.network, BundleOptions().loss, FEWEST_OF_SPLIT)
-        split = split_targets(pulls, problem.sightings, options.split) if rounds_left else ()
-        if not split:
+        split, detectable_m = _in_two_places(problem, adjusted, options.split)
+        if not (split and rounds_left):
             break
         state, _, _ = _settled(without_split(state, part, split))
         state = _readmitted(state, options)
-    detectable_m = least_detectable_m(pulls, problem.sightings.target_count, options.split)
     return CleanNetwork(state.growth, part, problem, adjusted, state.findings, detectable_m)
+
+
+def _in_two_places(
+    problem: BundleProblem, adjusted: Adjusted, options: SplitOptions
+) -> tuple[tuple[SplitTarget, ...], Array]:
+    """The surest of the targets that stand in two places, and how far each would have had to move to be found."""
+    pulls, found = target_pulls(problem, adjusted.network, BundleOptions().loss), list[SplitTarget]()
+    # Targets with too few sightings for two places are never found.
+    least_m = np.full(problem.sightings.target_count, np.inf)
+    for one in pulls:
+        least_m[one.target] = least_detectable_m(one, len(pulls), options)
+        split = split_of(one, len(pulls), options)
+        if split is not None:
+            found.append(split)
+    return surest_around(found, problem.sightings), least_m
 
 
 def _without_contradictions(

@@ -5,8 +5,6 @@ Source: Baarda, A testing procedure for use in geodetic networks, 1968: what a t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import numpy.typing as npt
 
@@ -18,15 +16,14 @@ Array = npt.NDArray[np.float64]
 POSITION = slice(0, 3)
 
 
-def least_detectable_m(pulls: Sequence[TargetPulls], target_count: int, options: SplitOptions) -> Array:
-    """Least displacement that is found of each target, shape (T,), metres, in whatever direction shows it worst.
+def least_detectable_m(pulls: TargetPulls, target_count: int, options: SplitOptions) -> float:
+    """Least displacement that is found of a target, metres, in whatever direction shows it worst.
 
     Parameters
     ----------
-    pulls : sequence of TargetPulls
-        Of all targets that have sightings enough to show two places; infinity is said of the others.
+    pulls : TargetPulls
     target_count : int
-        T.
+        Targets of the survey that the test looks at.
     options : SplitOptions
         Of the test that is to find it.
 
@@ -37,11 +34,10 @@ def least_detectable_m(pulls: Sequence[TargetPulls], target_count: int, options:
     follow the target. The halves are taken in the order of the photographs and by turns, d along N's weakest
     direction, and the weaker of both counts.
     """
-    least_m = np.full(target_count, np.inf)
-    for one in pulls:
-        squares = options.found_from(len(one.rows), len(pulls))
-        least_m[one.target] = np.sqrt(squares / min(_weakest(one, half) for half in _halves(len(one.rows))))
-    return least_m
+    weakest = min(_weakest(pulls, half) for half in _halves(len(pulls.rows)))
+    squares = options.found_from(len(pulls.rows), target_count)
+    # Rounding alone may be left where the photographs follow every step of the target.
+    return float(np.sqrt(squares / weakest)) if weakest > 0.0 else np.inf
 
 
 def _halves(count: int) -> tuple[slice, slice]:

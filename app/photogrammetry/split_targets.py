@@ -23,8 +23,6 @@ Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
 
-FEWEST_OF_SPLIT = 4  # sightings: two in either place, since one alone agrees with any
-
 
 @dataclass(frozen=True)
 class SplitOptions:
@@ -87,27 +85,15 @@ class SplitTarget:
     lone: int | None
 
 
-def split_targets(pulls: Sequence[TargetPulls], sightings: Sightings, options: SplitOptions) -> tuple[SplitTarget, ...]:
-    """Targets that stand in two places, if only for one photograph; of those seen together the surest only.
-
-    Parameters
-    ----------
-    pulls : sequence of TargetPulls
-        Of all targets that have four sightings.
-    sightings : Sightings
-    options : SplitOptions
-    """
-    found = []
-    for one in pulls:
-        limit = options.limit(len(one.rows), len(pulls))
-        # No grouping explains more than all there is.
-        split = _Groups(one).best() if one.squares > limit else None
-        if split is None:
-            continue
-        beside = options.beside(one.squares - split.gain, one.freedom - POSE_COUNT)
-        if split.gain > limit * beside:
-            found.append(split)
-    return _surest_around(found, sightings)
+def split_of(pulls: TargetPulls, target_count: int, options: SplitOptions) -> SplitTarget | None:
+    """The two places, if one is only for one photograph, of one target among so many; None where it stands in one."""
+    limit = options.limit(len(pulls.rows), target_count)
+    # No grouping explains more than all there is.
+    if pulls.squares <= limit:
+        return None
+    split = _Groups(pulls).best()
+    beside = options.beside(pulls.squares - split.gain, pulls.freedom - POSE_COUNT)
+    return split if split.gain > limit * beside else None
 
 
 @dataclass(frozen=True)
@@ -152,7 +138,7 @@ class _Groups:
             group, gain = others[best], float(gains[best])
 
 
-def _surest_around(found: Sequence[SplitTarget], sightings: Sightings) -> tuple[SplitTarget, ...]:
+def surest_around(found: Sequence[SplitTarget], sightings: Sightings) -> tuple[SplitTarget, ...]:
     """Those of greatest gain among all that any of their photographs shows: what has moved drags others along."""
     gain = np.zeros(sightings.target_count)
     gain[[one.target for one in found]] = [one.gain for one in found]

@@ -8,20 +8,21 @@ matrix), and what a lens adds whose focal length and principal point differ from
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 import numpy.typing as npt
 
 from app.photogrammetry.bundle_problem import BundleProblem
-from app.photogrammetry.collinearity import CAMERA_COLUMNS, COLUMN_COUNT, linearise
 from app.photogrammetry.covariance import reduced_at
 from app.photogrammetry.inverse_parts import TargetPart, inverse_parts
 from app.photogrammetry.network import POSE_COUNT, Network
 from app.photogrammetry.reduced_system import ReducedSystem
 from app.photogrammetry.robust import RobustLoss
-from app.photogrammetry.self_calibration import SCATTERED_COUNT, CameraScatter, self_calibrate
+from app.photogrammetry.self_calibration import SCATTERED_COUNT, self_calibrate
+from app.photogrammetry.sighting_products import SightingProducts, sighting_products
 from app.photogrammetry.variance_components import shared_columns
 
 Array = npt.NDArray[np.float64]
@@ -35,21 +36,44 @@ LEAST_VARIANCE = 0.01  # of the stated ones: exact observations are synthetic
 
 
 @dataclass(frozen=True)
+class PullOptions:
+    """Whose pulls are looked at.
+
+    Attributes
+    ----------
+    fewest : int
+        Sightings that a target must have.
+    most : int
+        Of a target with more of them, so many are taken, spread evenly over its photographs: what they say costs
+        memory by the square of their number and time by its cube.
+    """
+
+    fewest: int = 4
+    most: int = 24
+
+    def taken(self, count: int) -> Index:
+        """Which of a target's sightings are looked at."""
+        return np.unique(np.linspace(0.0, count - 1.0, min(count, self.most)).round().astype(np.intp))
+
+
+@dataclass(frozen=True)
 class TargetPulls:
-    """The n sightings of one target.
+    """The n sightings of one target that are looked at.
 
     Attributes
     ----------
     target : int
     rows : ndarray of shape (n,)
-        Its sightings.
+        The sightings.
     pulls : ndarray of shape (n, 6)
         Weighted by their covariance.
     information : ndarray of shape (n, 6, n, 6)
         Covariance of the pulls when nothing is wrong, and at the same time their change by steps of the target in some
         photographs alone: information on such steps.
     squares : float
-        All contradiction among the sightings, chi-square distributed by ``freedom`` when nothing is wrong.
+        All contradiction of the sightings, chi-square distributed by ``freedom`` when nothing is wrong.
+    freedom : int
+        Steps of these sightings against each other and the target's others.
     """
 
     target: int
@@ -57,15 +81,55 @@ class TargetPulls:
     pulls: Array
     information: Array
     squares: float
-
-    @property
-    def freedom(self) -> int:
-        """Steps of the sightings against each other."""
-        return POSE_COUNT * (len(self.rows) - 1)
+    freedom: int
 
 
-def target_pulls(problem: BundleProblem, network: Network, loss: RobustLoss, fewest: int) -> tuple[TargetPulls, ...]:
-    """Pulls at all targets with so many sightings.
+@dataclass(frozen=True)
+class PulledTargets:
+    """All targets with sightings enough; the pulls of each are made when it is its turn: together they fill a memory.
+
+    Attributes
+    ----------
+    problem : BundleProblem
+    reduced : ReducedSystem
+        Of the adjusted network.
+    products : SightingProducts
+    options : PullOptions
+    variance : float
+        Factor of the dots' variances by which the median target contradicts itself as chance has it.
+    """
+
+    problem: BundleProblem
+    reduced: ReducedSystem
+    products: SightingProducts
+    options: PullOptions
+    variance: float = 1.0
+
+    def __len__(self) -> int:
+        return int((self.problem.sightings.rays() >= self.options.fewest).sum())
+
+    def __iter__(self) -> Iterator[TargetPulls]:
+        return (self._known(part).weighted(self.variance) for part in self._parts())
+
+    def scaled(self) -> PulledTargets:
+        """The same with the variance that a sample of the targets tells."""
+        step = max(1, len(self) // SCALING_TARGETS)
+        return replace(self, variance=_variance([self._known(part) for part in islice(self._parts(), 0, None, step)]))
+
+    def _parts(self) -> Iterator[TargetPart]:
+        fronts = inverse_parts(self.reduced, self.problem.sightings)
+        return (part for front in fronts for part in front.targets if len(part.rows) >= self.options.fewest)
+
+    def _known(self, part: TargetPart) -> _Known:
+        taken = self.options.taken(len(part.rows))
+        pulls = _cancelled(self.products, part.rows)[taken]
+        return _Known(part, taken, *_covariances(self, part, taken), pulls)
+
+
+def target_pulls(
+    problem: BundleProblem, network: Network, loss: RobustLoss, options: PullOptions = PullOptions()
+) -> PulledTargets:
+    """Pulls at all targets with sightings enough.
 
     Parameters
     ----------
@@ -73,7 +137,7 @@ def target_pulls(problem: BundleProblem, network: Network, loss: RobustLoss, few
     network : Network
         Adjusted with that loss.
     loss : RobustLoss
-    fewest : int
+    options : PullOptions
 
     Raises
     ------
@@ -82,15 +146,7 @@ def target_pulls(problem: BundleProblem, network: Network, loss: RobustLoss, few
     """
     reduced = reduced_at(problem, network, loss)
     scatters = [camera.scatter for camera in self_calibrate(problem, network, reduced.factor.border_inverse())]
-    products = _products(problem, network, loss, scatters)
-    known = [
-        _Known(part, *_covariances(problem, reduced, products, part), _cancelled(products, part.rows))
-        for front in inverse_parts(reduced, problem.sightings)
-        for part in front.targets
-        if len(part.rows) >= fewest
-    ]
-    variance = _variance(known)
-    return tuple(one.weighted(variance) for one in known)
+    return PulledTargets(problem, reduced, sighting_products(problem, network, loss, scatters), options).scaled()
 
 
 @dataclass(frozen=True)
@@ -98,17 +154,19 @@ class _Known:
     """A target's pulls (n, 6) and the two parts of their covariance: of the dots, as stated, and of the lens.
 
     The first is also how the pulls respond to steps of the target: what is redundant of the sightings' information.
+    ``taken`` are the n sightings among all of the target.
     """
 
     part: TargetPart
+    taken: Index
     of_dots: Array
     of_lens: Array
     pulls: Array
 
     @property
     def freedom(self) -> int:
-        """Steps of the sightings against each other."""
-        return POSE_COUNT * (len(self.pulls) - 1)
+        """Steps of these sightings against each other and the target's others."""
+        return POSE_COUNT * min(len(self.taken), len(self.part.rows) - 1)
 
     def squares(self, variance: float) -> float:
         """All contradiction, with the dots' variances multiplied."""
@@ -127,115 +185,57 @@ class _Known:
         pulls, information = response @ solved[:, 0], response @ solved[:, 1:]
         return TargetPulls(
             self.part.target,
-            self.part.rows,
+            self.part.rows[self.taken],
             pulls.reshape(self.pulls.shape),
             information.reshape(self.of_dots.shape),
             float(self.pulls.ravel() @ solved[:, 0]),
+            self.freedom,
         )
 
 
 def _variance(known: Sequence[_Known]) -> float:
     """Factor of the dots' variances by which the median target contradicts itself as chance has it."""
-    every = known[:: max(1, len(known) // SCALING_TARGETS)]
     variance = 1.0
     for _ in range(SCALINGS if known else 0):
-        variance *= float(np.median([one.squares(variance) / one.freedom for one in every]))
+        variance *= float(np.median([one.squares(variance) / one.freedom for one in known]))
         variance = max(variance, LEAST_VARIANCE)
     return variance
 
 
-@dataclass(frozen=True)
-class _Products:
-    """Of M sightings, each dot with its robust weight.
-
-    Attributes
-    ----------
-    by_columns : ndarray of shape (M, 6, 18)
-        The target's columns times all columns and the residuals.
-    turned : ndarray of shape (M, 6, 6)
-        The target's step that shows as a photograph's step.
-    lens : ndarray of shape (M, 6, 3)
-        Change of the pull by one standard deviation of the photograph's focal length and principal point, which its
-        pose follows.
-    """
-
-    by_columns: Array
-    turned: Array
-    lens: Array
-
-    @property
-    def information(self) -> Array:
-        """On the target's step, shape (M, 6, 6)."""
-        return self.by_columns[..., :POSE_COUNT]
-
-    @property
-    def pulls(self) -> Array:
-        """Shape (M, 6)."""
-        return self.by_columns[..., COLUMN_COUNT]
-
-
-def _products(
-    problem: BundleProblem, network: Network, loss: RobustLoss, scatters: Sequence[CameraScatter]
-) -> _Products:
-    count = len(problem.sightings)
-    by_columns = np.empty((count, POSE_COUNT, COLUMN_COUNT + 1))
-    turned, lens = np.empty((count, POSE_COUNT, POSE_COUNT)), np.empty((count, POSE_COUNT, SCATTERED_COUNT))
-    for camera, chunk in problem.chunks():
-        part, adjusted = problem.sightings.select(chunk), problem.camera_at(network, camera)
-        equations = linearise(network, part, adjusted, problem.plane_m)
-        weight = loss.weight((equations.residuals**2).sum(axis=-1))
-        rows = (equations.rows * np.sqrt(weight)[..., None, None]).reshape(len(part), -1, COLUMN_COUNT + 1)
-        by_columns[chunk] = np.swapaxes(rows[..., :POSE_COUNT], -1, -2) @ rows
-        turned[chunk] = equations.target_step_from_photo_step
-        lens[chunk] = by_columns[chunk][..., CAMERA_COLUMNS] @ scatters[camera].deviations(adjusted)
-    return _Products(by_columns, turned, _after_pose(problem.sightings.photo, by_columns, turned, lens))
-
-
-def _after_pose(photo: Index, by_columns: Array, turned: Array, lens: Array) -> Array:
-    """What is left of changes of the pulls, shape (M, 6, 3), when each photograph's pose has followed them."""
-    count = int(photo.max()) + 1
-    pose, across = np.zeros((count, POSE_COUNT, POSE_COUNT)), np.zeros((count, POSE_COUNT, SCATTERED_COUNT))
-    by_photo = by_columns[..., :POSE_COUNT] @ turned
-    np.add.at(pose, photo, np.swapaxes(turned, -1, -2) @ by_photo)
-    np.add.at(across, photo, np.swapaxes(turned, -1, -2) @ lens)
-    return np.asarray(lens - by_photo @ (np.linalg.pinv(pose, hermitian=True) @ across)[photo])
-
-
-def _cancelled(products: _Products, rows: Index) -> Array:
+def _cancelled(products: SightingProducts, rows: Index) -> Array:
     """A target's pulls, shape (n, 6), without what the last step of the adjustment has left of their sum."""
     own, pulls = products.information[rows], products.pulls[rows]
     return np.asarray(pulls - own @ np.linalg.solve(own.sum(axis=0), pulls.sum(axis=0)))
 
 
-def _covariances(
-    problem: BundleProblem, reduced: ReducedSystem, products: _Products, part: TargetPart
-) -> tuple[Array, Array]:
-    """Of a target's pulls, shape (n, 6, n, 6) each: of the dots, by their stated sigmas, and of the lens."""
-    rows, count = part.rows, len(part.rows)
-    own, every = products.information[rows], np.arange(count)
-    followed = _followed(problem, products, part)
-    stacked = own.reshape(-1, POSE_COUNT)
+def _covariances(pulled: PulledTargets, part: TargetPart, taken: Index) -> tuple[Array, Array]:
+    """Of some of a target's pulls, shape (n, 6, n, 6) each: of the dots, by their stated sigmas, and of the lens."""
+    own, count, every = pulled.products.information[part.rows], len(taken), np.arange(len(taken))
+    followed = _followed(pulled, part, taken)
+    stacked = own[taken].reshape(-1, POSE_COUNT)
     derivative = stacked @ part.gain + followed
-    fitted = stacked @ reduced.target_inverse[part.target] @ stacked.T + derivative @ part.inverse @ derivative.T
+    fitted = stacked @ pulled.reduced.target_inverse[part.target] @ stacked.T + derivative @ part.inverse @ derivative.T
     of_dots = -fitted.reshape(count, POSE_COUNT, count, POSE_COUNT)
-    of_dots[every, :, every] += own * (1.0 + RIDGE)
-    lens = np.zeros((count, POSE_COUNT, count, SCATTERED_COUNT))
-    lens[every, :, every] = products.lens[rows]
-    lens -= (own @ np.linalg.solve(own.sum(axis=0), lens.sum(axis=0).reshape(POSE_COUNT, -1))).reshape(lens.shape)
-    of_lens = lens.reshape(count * POSE_COUNT, -1)
-    return of_dots, (of_lens @ of_lens.T).reshape(of_dots.shape)
+    of_dots[every, :, every] += own[taken] * (1.0 + RIDGE)
+    # The target follows what the lens does in all of its photographs.
+    lens = pulled.products.lens[part.rows]
+    step = np.linalg.solve(own.sum(axis=0), np.swapaxes(lens, 0, 1).reshape(POSE_COUNT, -1))
+    of_lens = -(own[taken] @ step).reshape(count, POSE_COUNT, len(part.rows), SCATTERED_COUNT)
+    of_lens[every, :, taken] += lens[taken]
+    flat = of_lens.reshape(count * POSE_COUNT, -1)
+    return of_dots, (flat @ flat.T).reshape(of_dots.shape)
 
 
-def _followed(problem: BundleProblem, products: _Products, part: TargetPart) -> Array:
-    """Derivative of a target's pulls by its photographs and the shared unknowns, shape (6 n, 6 n + f)."""
-    rows, count = part.rows, len(part.rows)
-    photos = np.zeros((count, POSE_COUNT, count, POSE_COUNT))
-    photos[np.arange(count), :, np.arange(count)] = products.information[rows] @ products.turned[rows]
-    shared = np.zeros((count, POSE_COUNT, part.inverse.shape[0] - POSE_COUNT * count))
+def _followed(pulled: PulledTargets, part: TargetPart, taken: Index) -> Array:
+    """Derivative of n of a target's m pulls by its photographs and the shared unknowns, shape (6 n, 6 m + f)."""
+    problem, products, rows, count = pulled.problem, pulled.products, part.rows[taken], len(taken)
+    photos = np.zeros((count, POSE_COUNT, len(part.rows), POSE_COUNT))
+    photos[np.arange(count), :, taken] = products.information[rows] @ products.turned[rows]
+    shared = np.zeros((count, POSE_COUNT, part.inverse.shape[0] - POSE_COUNT * len(part.rows)))
     cameras = problem.camera_of_photo[problem.sightings.photo[rows]]
     for camera in np.unique(cameras):
         columns, places = shared_columns(problem, int(camera), int(problem.prints.batch[part.target]))
         of_camera = np.flatnonzero(cameras == camera)
         shared[np.ix_(of_camera, np.arange(POSE_COUNT), places)] = products.by_columns[rows[of_camera]][..., columns]
     flat = POSE_COUNT * count
-    return np.concatenate([photos.reshape(flat, flat), shared.reshape(flat, -1)], axis=1)
+    return np.concatenate([photos.reshape(flat, -1), shared.reshape(flat, -1)], axis=1)

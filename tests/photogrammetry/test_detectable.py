@@ -8,7 +8,7 @@ import numpy as np
 
 from app.photogrammetry.bundle import BundleOptions
 from app.photogrammetry.detectable import least_detectable_m
-from app.photogrammetry.split_targets import SplitOptions, split_targets
+from app.photogrammetry.split_targets import SplitOptions, split_of
 from app.photogrammetry.target_pulls import TargetPulls, target_pulls
 from tests.photogrammetry.survey_scene import NOISE_PX, build_room, ring_of_stations
 from tests.photogrammetry.true_network import Truth, see
@@ -18,7 +18,7 @@ OPTIONS, DRAWS = SplitOptions(), 200
 
 
 def pulls_of(truth: Truth) -> tuple[TargetPulls, ...]:
-    return target_pulls(truth.problem, truth.network, BundleOptions().loss, 4)
+    return tuple(target_pulls(truth.problem, truth.network, BundleOptions().loss))
 
 
 def shown_farther(pulls: TargetPulls, distance_m: float, rng: np.random.Generator) -> TargetPulls:
@@ -36,14 +36,12 @@ def shown_farther(pulls: TargetPulls, distance_m: float, rng: np.random.Generato
 
 def test_displacements_are_found_as_often_as_is_said() -> None:
     every = pulls_of(TRUTH)
-    least_m = least_detectable_m(every, TRUTH.sightings.target_count, OPTIONS)
     one, rng = max(every, key=lambda pulls: len(pulls.rows)), np.random.default_rng(5)
+    least_m = least_detectable_m(one, len(every), OPTIONS)
     for factor, least, most in ((1.0, 0.0, 0.35), (0.0, 1.0, 1.0)):
         missed = 0
         for _ in range(DRAWS):
-            redrawn = shown_farther(one, factor * float(least_m[one.target]), rng)
-            others = [redrawn if pulls is one else replace(pulls, squares=0.0) for pulls in every]
-            missed += not split_targets(others, TRUTH.sightings, OPTIONS)
+            missed += split_of(shown_farther(one, factor * least_m, rng), len(every), OPTIONS) is None
         # A fifth is missed at the limit; what contradicts itself beside the displacement costs some more.
         assert least <= missed / DRAWS <= most
 
@@ -51,13 +49,14 @@ def test_displacements_are_found_as_often_as_is_said() -> None:
 def test_it_follows_the_stated_sigmas() -> None:
     sharper = replace(TRUTH, sightings=TRUTH.sightings.reweighted(0.5))
     least_m, same_m = (
-        least_detectable_m(pulls_of(truth), truth.sightings.target_count, OPTIONS) for truth in (TRUTH, sharper)
+        [least_detectable_m(one, len(every), OPTIONS) for one in every]
+        for every in (pulls_of(TRUTH), pulls_of(sharper))
     )
     assert np.isfinite(least_m).all()
     # What residuals scatter by is estimated: stated sigmas alone change little.
     np.testing.assert_allclose(same_m, least_m, rtol=0.3)
 
 
-def test_a_target_that_three_photographs_show_has_no_figure() -> None:
+def test_a_target_that_three_photographs_show_is_not_looked_at() -> None:
     few = see(build_room(), ring_of_stations(24)[::4], noise_px=NOISE_PX)
-    assert np.isinf(least_detectable_m(pulls_of(few), few.sightings.target_count, OPTIONS)).all()
+    assert few.sightings.rays().max() < 4 and not pulls_of(few)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +12,9 @@ from scipy.special import chdtrc, chndtr
 from app.geometry.pose import Pose
 from app.photogrammetry.bundle import BundleOptions, adjust_bundle
 from app.photogrammetry.network import POSE_COUNT
-from app.photogrammetry.split_targets import SplitOptions, SplitTarget, split_targets
-from app.photogrammetry.target_pulls import target_pulls
+from app.photogrammetry.sightings import Sightings
+from app.photogrammetry.split_targets import SplitOptions, SplitTarget, split_of, surest_around
+from app.photogrammetry.target_pulls import TargetPulls, target_pulls
 from tests.photogrammetry.survey_scene import NOISE_PX, Room, build_room, ring_of_stations
 from tests.photogrammetry.true_network import see
 
@@ -24,6 +26,11 @@ PLACE_M = 0.001
 FAR_M = 0.05
 
 
+def split_targets(pulls: Sequence[TargetPulls], sightings: Sightings) -> tuple[SplitTarget, ...]:
+    found = [split_of(one, len(pulls), SplitOptions()) for one in pulls]
+    return surest_around([split for split in found if split is not None], sightings)
+
+
 def found_in_two_states(after: Room, later: np.ndarray) -> tuple[tuple[SplitTarget, ...], int]:
     """What is found when some photographs show the room as it was later, and the target that it should be."""
     truth, changed = (see(room, STATIONS, noise_px=NOISE_PX) for room in (ROOM, after))
@@ -33,8 +40,8 @@ def found_in_two_states(after: Room, later: np.ndarray) -> tuple[tuple[SplitTarg
     dots_px[rows] = changed.sightings.dots_px[rows]
     problem = truth.problem.with_sightings(replace(truth.sightings, dots_px=dots_px))
     network = adjust_bundle(problem, truth.network).network
-    pulls = target_pulls(problem, network, BundleOptions().loss, 4)
-    return split_targets(pulls, problem.sightings, SplitOptions()), target
+    pulls = tuple(target_pulls(problem, network, BundleOptions().loss))
+    return split_targets(pulls, problem.sightings), target
 
 
 def pushed(distance_m: float) -> Room:
@@ -55,13 +62,13 @@ def test_noise_is_no_movement() -> None:
 
 def test_one_sighting_alone_is_false_and_nothing_has_moved() -> None:
     truth = see(ROOM, STATIONS, noise_px=NOISE_PX)
-    every = target_pulls(truth.problem, truth.network, BundleOptions().loss, 4)
+    every = tuple(target_pulls(truth.problem, truth.network, BundleOptions().loss))
     one, steps = every[0], np.zeros_like(every[0].pulls)
     steps[0, :3] = FAR_M
     there = np.tensordot(one.information, steps, axes=2)
     shown = replace(one, pulls=there, squares=float((there * steps).sum()))
     pulls = [shown, *(replace(other, squares=0.0) for other in every[1:])]
-    (found,) = split_targets(pulls, truth.sightings, SplitOptions())
+    (found,) = split_targets(pulls, truth.sightings)
     assert (found.target, found.lone) == (one.target, one.rows[0])
     assert found.apart_m == pytest.approx(np.sqrt(3.0) * FAR_M, rel=1e-3)
 
