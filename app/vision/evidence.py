@@ -23,6 +23,8 @@ Array = npt.NDArray[np.float64]
 
 TYPICAL_CONFIDENCE = 1.0  # more makes no digit surer: white stands farther from its border than the other inks
 MIRROR_DISTANCE_MIN = 3  # parity's and full's words are all, or mostly, words in a mirror as well
+# Below, each word has a code one digit off, in a mirror, too (Hamming's is a perfect code): there only a better fit tells.
+MIRROR_NEAR_DISTANCE_MIN = 5
 
 
 def digits_in_mirror() -> npt.NDArray[np.intp]:
@@ -77,7 +79,8 @@ class SeenWord:
             return ""
         words = words_of(family)
         if family.distance >= MIRROR_DISTANCE_MIN:
-            known = True if known_codes is None else np.isin(family.codes, list(known_codes))
+            near_tells = family.distance >= MIRROR_NEAR_DISTANCE_MIN
+            known = near_tells if known_codes is None else np.isin(family.codes, list(known_codes))
             if (self.in_mirror().against(words) <= own + np.where(known, margin, -margin)).any():
                 return "mirror-image"
         return "unreadable" if (self.against(words[family.codes != code]) <= own + margin).any() else ""

@@ -171,7 +171,9 @@ def test_a_run_becomes_a_trajectory(phone: Phone) -> None:
     page.get_by_label("Every, s").fill("0.5")
     page.get_by_label("Name", exact=True).fill("Through the hall")
     begun_s = time.time()
-    page.get_by_role("button", name="Start run").evaluate("button => { button.click(); button.click(); }")  # one run
+    start = page.get_by_role("button", name="Start run")
+    expect(start).to_be_enabled()  # the camera is there
+    start.evaluate("button => { button.click(); button.click(); }")  # one run
     expect(counted(page, "located")).to_have_text(re.compile(r"^([4-9]|\d\d+)$"))
     page.get_by_role("button", name="End run").click()
     expect(page.get_by_role("button", name="Start run")).to_be_visible()  # the end is in the queue
