@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 
 TYPICAL_CONFIDENCE = 1.0  # more makes no digit surer: white stands farther from its border than the other inks
 MIRROR_DISTANCE_MIN = 3  # parity's and full's words are all, or mostly, words in a mirror as well
-# Below, each word has a code one digit off, in a mirror, too (Hamming's is a perfect code): there only a better fit tells.
+# Below, each word has a code one digit off, in a mirror, too (Hamming's is a perfect code): only a better fit tells.
 MIRROR_NEAR_DISTANCE_MIN = 5
 
 
