@@ -74,5 +74,7 @@ def _april_tag(decimate: float) -> Peer:
         raise PeerMissing(
             "AprilTag 3 is not installed: pip install '.[bench]' (for Python 3.11 to 3.13), or leave --peers out"
         ) from error
-    detector = library.Detector(families=FAMILY, nthreads=1, quad_decimate=decimate)
+    # Its own end hands pointers on as 32 bits, which kills the process: the few that there are stay until that ends.
+    kept = type("KeptDetector", (library.Detector,), {"__del__": lambda _: None})
+    detector = kept(families=FAMILY, nthreads=1, quad_decimate=decimate)
     return Peer(f"AprilTag 3, 1/{decimate:g}", lambda grey: len(detector.detect(grey)))
