@@ -126,31 +126,25 @@ def refine_homographies(fits: PlateFits, dots: DotCentres, options: CentreOption
     return refined
 
 
-def calibrated_covariances(
-    dots: DotCentres, image_from_plate: Array, trusted: Mask, options: CentreOptions = CentreOptions()
-) -> Array:
-    """Covariances, shape (P, 16, 2, 2), px^2, scaled to how a photograph's dots scatter about their plates.
-
-    Parameters
-    ----------
-    image_from_plate : ndarray of shape (P, 3, 3)
-        Homographies through the measured dots.
-    trusted : ndarray of shape (P,), bool
-        Plates that count; bent ones and false ones must not.
-    """
-    covariances_px2 = np.empty(dots.covariances_u2.shape)
-    calibrate_some(dots, image_from_plate, (np.ones(len(trusted), dtype=np.bool_), trusted), options, covariances_px2)
-    return covariances_px2
-
-
-def calibrate_some(
+def calibrate_covariances(
     dots: DotCentres,
     image_from_plate: Array,
     which: tuple[Mask, Mask],
     options: CentreOptions,
     covariances_px2: Array,
 ) -> None:
-    """The same for plates of one kind, written into those of all; ``which`` are theirs, and which of them count."""
+    """Covariances of plates of one kind, scaled to how a photograph's dots scatter about them.
+
+    Parameters
+    ----------
+    dots : DotCentres
+    image_from_plate : ndarray of shape (P, 3, 3)
+        Homographies through the measured dots.
+    which : tuple of ndarray of shape (P,), bool
+        The plates of this kind, and those of them that count; bent ones and false ones must not.
+    options : CentreOptions
+    covariances_px2 : ndarray of shape (P, 16, 2, 2), written for those plates
+    """
     located = (
         np.ascontiguousarray(dots.centres_px),
         np.ascontiguousarray(dots.covariances_u2),

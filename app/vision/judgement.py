@@ -11,8 +11,8 @@ from app.targets.layout import BASE_CELLS
 from app.vision.centres import DotCentres
 from app.vision.homography import PLATE_DOTS_U
 from app.vision.inks import InkReading
+from app.vision.kernels import judging
 from app.vision.kernels.claims import keep_apart
-from app.vision.kernels.judging import judge_all
 from app.vision.kernels.misfits import measure_misfits
 from app.vision.measurement import PlateFits
 
@@ -121,18 +121,18 @@ REASON_TEXT = {
     "duplicate-code": "the same code was read better elsewhere in this photograph",
 }
 
-# Of the tests of a fitted plate, in their order; the first is that of a plate that stands.
-REASONS = (
-    "",
-    "outside-photo",
-    "not-red",
-    "uneven-red",
-    "bright-background",
-    "not-a-plate",
-    "too-few-dots",
-    "wrong-layout",
-    "red-digit",
-)
+# Of the tests of a fitted plate, which are made in this order.
+REASONS = {
+    judging.STANDS: "",
+    judging.OUTSIDE_PHOTO: "outside-photo",
+    judging.NOT_RED: "not-red",
+    judging.UNEVEN_RED: "uneven-red",
+    judging.BRIGHT_BACKGROUND: "bright-background",
+    judging.NOT_A_PLATE: "not-a-plate",
+    judging.TOO_FEW_DOTS: "too-few-dots",
+    judging.WRONG_LAYOUT: "wrong-layout",
+    judging.RED_DIGIT: "red-digit",
+}
 
 # A group that fails one of these was hardly a plate at all.
 COLOUR_REASONS = ("not-red", "uneven-red", "bright-background", "not-a-plate")
@@ -154,7 +154,7 @@ def judge_plates(
     fitted = (fits.amplitudes, fits.planes, fits.residual_rms, fits.px_per_u, fits.explained())
     located = (np.ascontiguousarray(dots.centres_px), np.ascontiguousarray(dots.measured), dots.inside)
     read = (inks.red_base, inks.red_level, inks.hidden, inks.cut)
-    judge_all(fitted, (refined, PLATE_DOTS_U, *located), read, options.bounds(), (verdicts, rms_px, lacks_red))
+    judging.judge_all(fitted, (refined, PLATE_DOTS_U, *located), read, options.bounds(), (verdicts, rms_px, lacks_red))
     return Judgement(tuple(REASONS[verdict] for verdict in verdicts.tolist()), rms_px, lacks_red)
 
 

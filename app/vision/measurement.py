@@ -151,9 +151,7 @@ def fit_patches(patches: Patches, blur_px: Array, chosen: npt.NDArray[np.intp] |
     """
     each = np.arange(len(blur_px))
     if chosen is None:
-        fits = PlateFits.room_for(patches.image_from_plate, patches.px_per_u)
-        _fit_into(fits, patches, np.stack([each, patches.levels(blur_px), each]))
-        return fits
+        chosen = each
     fits = PlateFits.room_for(patches.image_from_plate[chosen], patches.px_per_u[chosen])
     _fit_into(fits, patches, np.stack([chosen, patches.levels(blur_px, chosen), each]))
     return fits

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy.special import ive, ndtr
 
 from app.targets.layout import DOT_RADIUS_U
-from app.vision.centres import YCC_FROM_BGR, CentreOptions, DotCentres, calibrate_some
+from app.vision.centres import YCC_FROM_BGR, CentreOptions, DotCentres, calibrate_covariances
 from app.vision.kernels.profiles import BLUR_LEVELS, BLUR_STEP_U, EDGE_REACH, EDGE_STEPS, LIGHT_MAX
 from app.vision.kernels.settling import settle_all
 from app.vision.measurement import PlateFits
@@ -127,9 +127,9 @@ def settled_covariances(
     centres, settling = options
     covariances_px2 = np.empty(dots.covariances_u2.shape)
     by_samples, by_pixels = (~settled, trusted & ~settled), (settled, trusted & settled)
-    calibrate_some(dots, image_from_plate, by_samples, centres, covariances_px2)
+    calibrate_covariances(dots, image_from_plate, by_samples, centres, covariances_px2)
     if settled.any():
-        calibrate_some(dots, image_from_plate, by_pixels, settling.finer(centres), covariances_px2)
+        calibrate_covariances(dots, image_from_plate, by_pixels, settling.finer(centres), covariances_px2)
     return covariances_px2
 
 

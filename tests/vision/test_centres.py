@@ -12,7 +12,6 @@ from app.targets.layout import BASE_CELLS, DIGIT_CELLS
 from app.vision.centres import (
     CentreOptions,
     DotCentres,
-    calibrated_covariances,
     locate_dots,
     refine_homographies,
 )
@@ -29,7 +28,7 @@ from app.vision.inks import read_inks
 from app.vision.kernels.misfits import HOMOGRAPHY_PARAMETERS
 from app.vision.measurement import PlateFits, SizedPatches
 from app.vision.patches import Pyramid
-from app.vision.settling import SettlingOptions
+from app.vision.settling import SettlingOptions, settled_covariances
 from app.vision.template import blurred_disc
 from tests.vision.scenes import (
     AT_ORIGIN,
@@ -217,6 +216,14 @@ def refined(dots: DotCentres, homographies: np.ndarray) -> np.ndarray:
 
 
 OPTIONS = CentreOptions(covariance_floor_px=0.0, covariance_floor_u=0.0)
+
+
+def calibrated_covariances(
+    dots: DotCentres, homographies: np.ndarray, trusted: np.ndarray, options: CentreOptions
+) -> np.ndarray:
+    """Of plates none of which is large enough to be settled."""
+    nothing = np.zeros(len(trusted), dtype=bool)
+    return settled_covariances(dots, homographies, trusted, nothing, (options, SettlingOptions()))
 
 
 def in_pixels(dots: DotCentres) -> np.ndarray:

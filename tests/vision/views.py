@@ -14,6 +14,13 @@ PRINCIPAL_PX = np.array([960.0, 540.0])
 slants_rad = st.floats(0.0, np.radians(65.0))
 turns_rad = st.floats(0.0, 2.0 * np.pi)
 distances_u = st.floats(26.0, 600.0)  # from twice the plate's width to where a dot is 1.7 px in radius
+# Seen from so far that an affinity is nearly all there is of the perspective.
+NEARLY_AFFINE = {
+    "slant_rad": st.floats(0.0, np.radians(50.0)),
+    "towards_rad": turns_rad,
+    "roll_rad": turns_rad,
+    "distance_u": st.floats(150.0, 500.0),
+}
 views = st.builds(
     lambda slant, towards, roll, distance, aside: image_from_plate(slant, towards, roll, distance, aside),
     slants_rad,

@@ -1,9 +1,8 @@
 // What was seen in each photograph, asked for one after the other as they arrive; a full server is asked again.
-import { Problem, Unreachable, get } from "../core/api.js";
+import { FULL, Problem, Unreachable, get } from "../core/api.js";
 import { useEffect, useState } from "../core/html.js";
 
 const AGAIN_AFTER_MS = 2000;
-const WORTH_WAITING = [429, 503, 504];
 
 /**
  * @param {string} surveyId
@@ -24,7 +23,7 @@ export function useDetections(surveyId, names) {
           keep("found", name, await get(`/surveys/${surveyId}/images/${encodeURIComponent(name)}/detection`, { signal: controller.signal }));
         } catch (error) {
           if (error.name === "AbortError") return;
-          if (error instanceof Unreachable || (error instanceof Problem && WORTH_WAITING.includes(error.status))) { timer = setTimeout(ask, AGAIN_AFTER_MS); return; }
+          if (error instanceof Unreachable || (error instanceof Problem && FULL.includes(error.status))) { timer = setTimeout(ask, AGAIN_AFTER_MS); return; }
           keep("failed", name, error);
         }
         waiting.shift();

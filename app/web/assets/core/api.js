@@ -21,7 +21,8 @@ export class Unreachable extends Error {
   }
 }
 
-const FULL = [429, 503, 504]; // the server has too much to do; nothing is wrong with what was asked
+/** Answers that say: the server has too much to do; nothing is wrong with what was asked. */
+export const FULL = [429, 503, 504];
 
 /** After how many seconds a full server may be asked again; null when it was not that. */
 export const laterOf = (error) => (FULL.includes(error.status) ? error.members?.retry_after_s ?? null : null);

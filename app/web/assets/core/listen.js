@@ -1,9 +1,9 @@
 // Events that the service sends as they happen, over connections that break off, services that restart, keys that run out.
-import { KEY_SHOWN, Problem, call } from "./api.js";
+import { FULL, KEY_SHOWN, Problem, call } from "./api.js";
 
 const AGAIN_AFTER_MS = 3000;
 const LAST = "last_event_id"; // the parameter that says which events are known already
-const WORTH_WAITING = [429, 500, 502, 503, 504]; // the server is full or ill; any other problem stays
+const WORTH_WAITING = [500, 502, ...FULL]; // the server is full or ill; any other problem stays
 
 /**
  * Server-sent events until `close` is called or the server says that there are no more.

@@ -1,12 +1,12 @@
 // Photographs on their way: a few at a time, tried again when the connection is lost, none sent that the service has.
-import { KEY_SHOWN, Problem, Unreachable, all } from "../core/api.js";
+import { FULL, KEY_SHOWN, Problem, Unreachable, all } from "../core/api.js";
 import { canDigest, sha256Of } from "./digest.js";
 import { sendFile } from "./send_file.js";
 
 export const AT_A_TIME = 3; // as many keep a connection full; more wait for the same disk
 const FIRST_PAUSE_S = 1;
 const LONGEST_PAUSE_S = 20;
-const WORTH_WAITING = [401, 429, 503, 504]; // a key ran out or the server is full, the photograph is not wrong
+const WORTH_WAITING = [401, ...FULL]; // a key ran out or the server is full, the photograph is not wrong
 const HOPES = ["online", KEY_SHOWN]; // after these what failed may succeed
 
 export const DONE = ["stored", "there"];
